@@ -1,0 +1,104 @@
+"""Parameters that know their unit, their source and their bounds.
+
+A law, a pipeline, a sensor or an experiment declares its parameters as a `NamedTuple` named `Parameters`, whose
+fields are annotated with a `Parameter`. The default stands there and nowhere else:
+
+    class Parameters(NamedTuple):
+        repulsion_m: Annotated[float, Parameter("m", "Fine 2015, section 2.1.1", low=0.0)] = 0.66
+"""
+
+from __future__ import annotations
+
+import difflib
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, NamedTuple, get_type_hints
+
+from flocking.errors import InputError
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """Unit, source and bounds of one parameter (bounds inclusive)."""
+
+    unit: str
+    source: str
+    published: bool = False
+    """True where the source gives this very value; False where it is a choice of ours."""
+    low: float = -math.inf
+    high: float = math.inf
+    choices: tuple[str, ...] = ()
+
+
+class Declared(NamedTuple):
+    """A parameter with its name, its Python type and its default."""
+
+    name: str
+    type: type
+    default: Any
+    about: Parameter
+
+
+def declared(parameters: type) -> dict[str, Declared]:
+    """The parameters that a `Parameters` class declares, in order."""
+    hints = get_type_hints(parameters, include_extras=True)
+    defaults = getattr(parameters, "_field_defaults", {})
+    found = {}
+    for name, hint in hints.items():
+        about = next((m for m in getattr(hint, "__metadata__", ()) if isinstance(m, Parameter)), None)
+        if about is None or name not in defaults:
+            raise InputError(
+                f"parameter {name!r} of {parameters.__module__}.{parameters.__qualname__} lacks "
+                "its Parameter(unit, source) annotation or its default"
+            )
+        found[name] = Declared(name, hint.__origin__, defaults[name], about)
+    return found
+
+
+def checked(key: str, value: Any, parameter: Declared) -> Any:
+    """`value` as the parameter's type, or an `InputError` that names the key, the value and the bounds."""
+    about, given = parameter.about, value
+    if parameter.type is bool:
+        if not isinstance(value, bool):
+            raise InputError(f"{key} = {given!r}: expected true or false")
+        return value
+    if parameter.type is str:
+        if not isinstance(value, str) or (about.choices and value not in about.choices):
+            near = difflib.get_close_matches(str(given), about.choices, n=1)
+            hint = f"; did you mean {near[0]}?" if near else ""
+            raise InputError(f"{key} = {given!r}: expected {' or '.join(about.choices) or 'text'}{hint}")
+        return value
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise InputError(f"{key} = {given!r}: expected a number{_unit(about)}")
+    if parameter.type is int and value != int(value if math.isfinite(value) else 0.5):
+        raise InputError(f"{key} = {given!r}: expected a whole number")
+    if not math.isfinite(value) or not about.low <= value <= about.high:
+        raise InputError(f"{key} = {given!r}: expected {_bounds(about)}")
+    return parameter.type(value)
+
+
+def filled(parameters: type, given: Mapping[str, Any], prefix: str = "") -> Any:
+    """An instance of `parameters` with the given values checked and the defaults elsewhere."""
+    known = declared(parameters)
+    for name in given:
+        if name not in known:
+            from flocking.errors import unknown_name
+
+            raise unknown_name("parameter", f"{prefix}{name}", [f"{prefix}{k}" for k in known])
+    return parameters(**{name: checked(f"{prefix}{name}", value, known[name]) for name, value in given.items()})
+
+
+def _unit(about: Parameter) -> str:
+    return f" in {about.unit}" if about.unit else ""
+
+
+def _bounds(about: Parameter) -> str:
+    low, high = about.low, about.high
+    if math.isfinite(low) and math.isfinite(high):
+        return f"a number from {low:g} to {high:g}{_unit(about)}"
+    if math.isfinite(low):
+        return f"a finite number of at least {low:g}{_unit(about)}"
+    if math.isfinite(high):
+        return f"a finite number of at most {high:g}{_unit(about)}"
+    return f"a finite number{_unit(about)}"

@@ -1,0 +1,71 @@
+"""What the sensors give and what the pipelines make of it."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+from flocking.types import Floats, Ints, Members, Obstacles
+
+NOBODY = -1
+"""Owner of a beam or an input that belongs to no member."""
+
+
+class Scan(NamedTuple):
+    """One sweep of a laser, in the focal member's body frame."""
+
+    time: float
+    """s, when the last beam was read."""
+    angles: Floats
+    """(B,) bearing of each beam in the laser's frame, rad, increasing (counter-clockwise)."""
+    ranges: Floats
+    """(B,) m; inf = no return, −inf = too near, nan = error (REP 117)."""
+    intensities: Floats
+    """(B,) relative to a white diffuse surface seen head-on at 1 m; nan = not given. All nan where no pipeline
+    reads it."""
+
+
+class ScanTruth(NamedTuple):
+    """What no robot can know: which beam hit whom. For ground truth and recordings only."""
+
+    owners: Ints
+    """(B,) index of the robot that made the reading; −1 = a wall, nothing, or a reading between two surfaces."""
+    ranges: Floats
+    """(B,) exact distance along each beam without noise, m; inf = nothing in range."""
+    lit: Ints
+    """(N,) beams that fell on each robot (before drop-outs and mixing)."""
+
+
+class WorldTruth(NamedTuple):
+    """Global knowledge, for the pipeline of perfect detection only."""
+
+    poses_w: Floats
+    """(N, 3) x, y, heading of all robots."""
+    velocities_w: Floats
+    """(N, 2) m/s."""
+    radii: Floats
+    """(N,) m, of each robot's silhouette at the laser's height."""
+    focal: int
+    """Index of the focal member."""
+    walls_w: Floats
+    """(W, 4) segments x0, y0, x1, y1, which occlude."""
+
+
+class Senses(NamedTuple):
+    """What one robot sensed at one update; None where its pipeline does not read it."""
+
+    scan: Scan | None
+    truth: WorldTruth | None
+
+
+class Detection(NamedTuple):
+    """What a pipeline made of the senses (stage 2)."""
+
+    members: Members
+    """The set D: each row is one input to the law."""
+    obstacles: Obstacles
+    beams: Ints
+    """(B,) which row of `members` each beam made, −1 = none; (0,) where the pipeline reads no scan."""
+
+
+PipelineState = Any
+"""What a pipeline keeps between updates: its parameters, its database, its memory."""
