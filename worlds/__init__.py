@@ -1,0 +1,1 @@
+"""Worlds: walls, starting formations, and how robots are put into one MuJoCo model."""

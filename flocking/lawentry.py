@@ -1,0 +1,251 @@
+"""A law's file made callable: checked, compiled with one fixed signature, cached between runs.
+
+Every law is compiled behind the same signature of plain arrays (`ENTRY_SIGNATURE`), so that a trial's loop and a
+kinematic herd's kernel can both be handed any of them.
+"""
+
+from __future__ import annotations
+
+import ast
+import hashlib
+import importlib.util
+import os
+import sys
+import tempfile
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+
+from flocking import found
+from flocking.compilation import cache_folder
+from flocking.errors import InputError
+from flocking.parameters import declared, filled
+from flocking.types import Bools, Floats, Kind, Members, Motion, Obstacles, Own
+
+ENTRY_SIGNATURE = (
+    "void(f8[::1], f8[:, ::1], f8[::1], f8[::1], f8[:, ::1], i8[::1], b1[:, ::1], f8[:, ::1], f8[::1], f8[::1], "
+    "f8[::1], f8[::1])"
+)
+"""own (11,), positions (M, 2), bearings (M,), headings (M,), velocities (M, 2), ids (M,), sets (S, M), obstacles
+(K, 2), parameters (P,), memory (MEMORY,), u (DRAWS,), motion out (4,): kind, x, y, rule."""
+
+OWN_SIZE = 11
+"""velocity x, y; turn rate; compass; goal x, y; left, right bumper; dt; id; role."""
+
+INFORMATION = frozenset({"positions", "bearings", "headings", "velocities", "ids"})
+MOTIONS_WITHOUT_NUMBERS = frozenset({int(Kind.HOLD), int(Kind.STOP)})
+
+_TEMPLATE = '''"""Generated from a law's file."""
+import importlib.util
+import sys
+
+import numba
+from flocking.types import Members, Obstacles, Own
+
+_spec = importlib.util.spec_from_file_location({module!r}, {path!r})
+_module = sys.modules.get({module!r})
+if _module is None:
+    _module = importlib.util.module_from_spec(_spec)
+    sys.modules[{module!r}] = _module
+    _spec.loader.exec_module(_module)
+law = numba.njit(_module.law, boundscheck={boundscheck})
+Parameters = _module.Parameters
+
+
+@numba.njit({signature!r}, cache=True, boundscheck={boundscheck})
+def entry(own, positions, bearings, headings, velocities, ids, sets, obstacles, parameters, memory, u, motion):
+    decided = law(
+        Own(own[0:2], own[2], own[3], own[4:6], own[6:8] > 0.5, own[8], int(own[9]), int(own[10])),
+        Members(positions, bearings, headings, velocities, ids),
+        sets,
+        Obstacles(obstacles),
+        Parameters({values}),
+        memory,
+        u,
+    )
+    motion[0] = int(decided.kind + 0)
+    motion[1] = decided.x
+    motion[2] = decided.y
+    motion[3] = decided.rule
+'''
+
+
+@dataclass(frozen=True)
+class Law:
+    """A law ready to be called."""
+
+    name: str
+    module: ModuleType
+    rules: tuple[str, ...]
+    sets: tuple[str, ...]
+    memory: int
+    draws: int
+    needs: frozenset[str]
+    entry: Callable[..., None]
+    """Compiled, with `ENTRY_SIGNATURE`."""
+
+    @property
+    def function(self) -> Callable[..., Motion]:
+        """The law as written, not compiled."""
+        return self.module.law
+
+    def parameters(self, given: Mapping[str, Any]) -> Any:
+        """The law's `Parameters` with the given values, checked."""
+        return filled(self.module.Parameters, given, prefix="law.")
+
+    def decide(
+        self,
+        own: Own,
+        members: Members,
+        sets: Bools,
+        obstacles: Obstacles,
+        parameters: Any,
+        memory: Floats,
+        u: Floats,
+    ) -> Motion:
+        """One compiled call, for tests and notebooks: the loop calls `entry` itself.
+
+        The caller compares with `function`, which takes the same arguments.
+        """
+        out = np.empty(4)
+        self.entry(
+            packed_own(own),
+            *members,
+            sets,
+            obstacles.points,
+            np.array(parameters, dtype=np.float64),
+            memory,
+            u,
+            out,
+        )
+        return Motion(int(out[0]), float(out[1]), float(out[2]), int(out[3]))
+
+
+def packed_own(own: Own) -> Floats:
+    """`Own` as the (11,) array of the entry's signature."""
+    velocity, turn_rate, compass, goal, contacts, *rest = own
+    return np.array([*velocity, turn_rate, compass, *goal, *contacts, *rest], dtype=np.float64)
+
+
+def names() -> list[str]:
+    """Names of the laws that come with the project."""
+    return sorted(found.modules("flocking.laws"))
+
+
+def is_path(name: str) -> bool:
+    """Whether `--law NAME` means a file of the user's own."""
+    return name.endswith(".py") or os.sep in name
+
+
+def read_source(path: str) -> str:
+    """The text of a user's law file; `InputError` if it cannot be read."""
+    try:
+        return Path(path).read_text(encoding="utf-8")
+    except FileNotFoundError:
+        raise InputError(f"law file {path!r} does not exist; expected a Python file or one of {', '.join(names())}") from None
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f"law file {path!r} cannot be read: {error}") from None
+
+
+def load(name: str, source: str = "") -> Law:
+    """The law of that name, or the user's own whose path is `name` and whose text is `source`.
+
+    Raises `InputError` naming the file and what is wrong with it.
+    """
+    if is_path(name):
+        return _load_source(name, source or read_source(name))
+    return _load_named(name.replace("_", "-"))
+
+
+@cache
+def _load_named(name: str) -> Law:
+    module = found.load("flocking.laws", name, "law")
+    path = Path(str(module.__file__))
+    return _compile(name, module, path, boundscheck=False)
+
+
+@cache
+def _load_source(name: str, source: str) -> Law:
+    try:
+        ast.parse(source)
+    except SyntaxError as error:
+        raise InputError(f"law file {name!r} does not parse: line {error.lineno}: {error.msg}") from None
+    except ValueError as error:
+        raise InputError(f"law file {name!r} does not parse: {error}") from None
+    stem = f"user_law_{hashlib.sha256(source.encode()).hexdigest()[:16]}"
+    path = _written(stem, source)
+    spec = importlib.util.spec_from_file_location(stem, path)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[stem] = module
+    try:
+        spec.loader.exec_module(module)
+    except Exception as error:
+        raise InputError(f"law file {name!r} cannot be imported: {_first_line(error)}") from None
+    return _compile(name, module, path, boundscheck=True)
+
+
+def _compile(name: str, module: ModuleType, path: Path, *, boundscheck: bool) -> Law:
+    for wanted in ("law", "Parameters"):
+        if not callable(getattr(module, wanted, None)):
+            raise InputError(f"law file {name!r} lacks {wanted}; expected law(...) and Parameters, see flocking/laws")
+    fields = declared(module.Parameters)
+    for field in fields.values():
+        if field.type is str:
+            raise InputError(f"law file {name!r}: parameter {field.name!r} is text; a law's parameters are numbers")
+    needs = frozenset(getattr(module, "NEEDS", {"positions"}))
+    if not needs <= INFORMATION:
+        raise InputError(f"law file {name!r}: NEEDS {sorted(needs - INFORMATION)}; expected of {sorted(INFORMATION)}")
+    values = ", ".join(
+        f"{field.type.__name__}(parameters[{i}])" for i, field in enumerate(fields.values())
+    )
+    text = _TEMPLATE.format(
+        module=module.__name__, path=str(path), signature=ENTRY_SIGNATURE, values=values, boundscheck=boundscheck
+    )
+    digest = hashlib.sha256((text + path.read_text(encoding="utf-8")).encode()).hexdigest()[:16]
+    entry_path = _written(f"entry_{path.stem}_{digest}", text)
+    spec = importlib.util.spec_from_file_location(entry_path.stem, entry_path)
+    assert spec is not None
+    assert spec.loader is not None
+    generated = importlib.util.module_from_spec(spec)
+    sys.modules[entry_path.stem] = generated
+    try:
+        spec.loader.exec_module(generated)
+    except Exception as error:
+        raise InputError(f"law {name!r} does not compile: {_first_line(error)}") from None
+    return Law(
+        name=name,
+        module=module,
+        rules=tuple(getattr(module, "RULES", ("law",))),
+        sets=tuple(getattr(module, "SETS", ("neighbours",))),
+        memory=int(getattr(module, "MEMORY", 0)),
+        draws=int(getattr(module, "DRAWS", 0)),
+        needs=needs,
+        entry=generated.entry,
+    )
+
+
+def _written(stem: str, text: str) -> Path:
+    """`text` as stem.py in the cache folder, written once: Numba's cache goes by the file's time."""
+    folder = cache_folder() / "laws"
+    folder.mkdir(parents=True, exist_ok=True)
+    path = folder / f"{stem}.py"
+    if not path.exists():
+        handle, temporary = tempfile.mkstemp(dir=folder, suffix=".tmp")
+        with os.fdopen(handle, "w", encoding="utf-8") as file:
+            file.write(text)
+        os.replace(temporary, path)
+    return path
+
+
+def _first_line(error: Exception) -> str:
+    """The most telling line of an error; Numba puts it after its headings."""
+    lines = [line.strip() for line in str(error).splitlines() if line.strip()]
+    telling = [line for line in lines if not line.startswith(("Failed in", "During", "File", "def ", "<source"))]
+    return (telling or lines or [type(error).__name__])[0]

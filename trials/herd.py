@@ -1,0 +1,195 @@
+"""A trial's names and numbers made into a world full of robots with minds."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cache
+
+import mujoco
+import numpy as np
+
+from flocking import found, lawentry, selection
+from flocking.errors import InputError
+from flocking.parameters import filled
+from flocking.types import Floats
+from robots import create
+from sensing import laser
+from sensing.types import PipelineState, WorldTruth
+from trials.robot import Robot
+from trials.streams import Purpose, stream
+from trials.types import Group, Trial
+from worlds import formations
+from worlds.assemble import World, build, prefix
+
+LAW, PIPELINE, BODY, WORLD = "flocking.laws", "sensing.pipelines", "robots", "worlds"
+
+
+@dataclass
+class Herd:
+    """A world and the robots in it, ready to run."""
+
+    trial: Trial
+    world: World
+    robots: list[Robot]
+    radii: Floats
+    """(N,) of the robots, m."""
+    silhouettes: Floats
+    """(N,) of what a laser sees of them, m."""
+    timestep: float
+    needs_truth: frozenset[int]
+    """Robots whose pipeline reads global knowledge."""
+
+    def world_truth(self, k: int, poses_w: Floats) -> WorldTruth | None:
+        """Global knowledge for robot k if its pipeline reads it."""
+        if k not in self.needs_truth:
+            return None
+        return WorldTruth(
+            poses_w, self.world.fleet.velocities(self.world.data), self.silhouettes, k, self.world.walls.segments
+        )
+
+
+def assemble(trial: Trial, record: bool) -> Herd:
+    """Builds the herd of a trial. Raises `InputError` for names and numbers that do not exist or fit."""
+    groups = [group for group in trial.groups for _ in range(group.count)]
+    numbers = [(g, k) for g, group in enumerate(trial.groups) for k in range(group.count)]
+    if not groups:
+        raise InputError("the trial has no robots: expected a count of at least 1 in some group")
+    names = [f"{trial.groups[g].name}-{k + 1}" for g, k in numbers]
+    start = stream(trial.seed, trial.repeat, 0, 0, Purpose.START)
+    poses_w = formations.poses(trial.formation, len(groups), start)
+    world = build(
+        trial.world, trial.world_parameters, [group.body for group in groups], names, poses_w, trial.timestep_s
+    )
+    _check_room(trial, world, poses_w)
+    pipelines = [found.load(PIPELINE, group.pipeline, "pipeline") for group in groups]
+    reads = [frozenset(pipeline.READS) for pipeline in pipelines]
+    lasers = None
+    if record or any("truth" not in r for r in reads):
+        lasers = laser.Lasers(
+            world.model,
+            [f"{prefix(name)}laser" for name in names],
+            [int(root) for root in world.fleet.root_bodies],
+            [laser_parameters(group) for group in groups],
+        )
+        if lasers.needs_history:
+            world.observers.append(lasers.remember)
+    robots = [
+        _robot(trial, world, lasers, group, g, k, index, record, reads[index])
+        for index, (group, (g, k)) in enumerate(zip(groups, numbers, strict=True))
+    ]
+    return Herd(
+        trial=trial,
+        world=world,
+        robots=robots,
+        radii=np.full(len(groups), create.RADIUS),
+        silhouettes=np.full(len(groups), create.SILHOUETTE_RADIUS),
+        timestep=trial.timestep_s,
+        needs_truth=frozenset(i for i, r in enumerate(reads) if "truth" in r),
+    )
+
+
+def laser_parameters(group: Group) -> laser.Parameters:
+    """The laser's parameters: the named setting with the group's own values in place."""
+    if group.sensors not in laser.SETTINGS:
+        from flocking.errors import unknown_name
+
+        raise unknown_name("sensor setting", group.sensors, laser.SETTINGS)
+    setting = laser.SETTINGS[group.sensors]
+    changed = filled(laser.Parameters, group.sensor_parameters, prefix=f"{group.name}.sensors.")
+    return setting._replace(**{name: getattr(changed, name) for name in group.sensor_parameters})
+
+
+def ticks(seconds: float, timestep: float, what: str, at_least: int) -> int:
+    """A duration in whole physics steps; `InputError` if it is not a whole number of them."""
+    count = seconds / timestep
+    if abs(count - round(count)) > 1e-6 * max(1.0, count) or round(count) < at_least:
+        raise InputError(
+            f"{what} = {seconds:g} s: expected a multiple of the physics time step ({timestep:g} s), "
+            f"at least {at_least * timestep:g} s"
+        )
+    return round(count)
+
+
+def _robot(
+    trial: Trial,
+    world: World,
+    lasers: laser.Lasers | None,
+    group: Group,
+    group_number: int,
+    member: int,
+    index: int,
+    record: bool,
+    reads: frozenset[str],
+) -> Robot:
+    def draw(purpose: Purpose) -> np.random.Generator:
+        return stream(trial.seed, trial.repeat, group_number + 1, member, purpose)
+
+    period = ticks(1.0 / group.rate_hz, trial.timestep_s, f"1 / {group.name}.rate_hz", at_least=1)
+    latency = ticks(group.latency_s, trial.timestep_s, f"{group.name}.latency_s", at_least=0)
+    phase = int(draw(Purpose.PHASE).random() * period) if group.phase == "random" else 0
+    pipeline = found.load(PIPELINE, group.pipeline, "pipeline")
+    law = lawentry.load(group.law, group.law_source)
+    _check_information(law, group, reads)
+    parameters = law.parameters(group.law_parameters)
+    steps = [] if group.selection.strip() == "all" else selection.parse(group.selection)
+    return Robot(
+        index=index,
+        name=f"{group.name}-{member + 1}",
+        group=group,
+        period=period,
+        latency=latency,
+        next_tick=phase,
+        pipeline=pipeline,
+        pipeline_state=_pipeline_state(group),
+        selections=[steps for _ in law.sets],
+        law=law,
+        law_parameters=np.array(parameters, dtype=np.float64),
+        law_rng=draw(Purpose.LAW),
+        range_rng=draw(Purpose.RANGE_NOISE),
+        intensity_rng=draw(Purpose.INTENSITY_NOISE),
+        reads=reads,
+        fleet=world.fleet,
+        lasers=lasers,
+        memory=np.zeros(law.memory),
+        dt=1.0 / group.rate_hz,
+    )
+
+
+def _pipeline_state(group: Group) -> PipelineState:
+    pipeline = found.load(PIPELINE, group.pipeline, "pipeline")
+    parameters = filled(pipeline.Parameters, group.pipeline_parameters, prefix=f"{group.name}.pipeline.")
+    return pipeline.start(parameters, member_model(group.body), create.LASER_HEIGHT, laser.ANGLES)
+
+
+@cache
+def member_model(body: str) -> mujoco.MjModel:
+    """One robot alone: what a database of members is made from."""
+    return found.load(BODY, body, "body").spec().compile()
+
+
+INFERRED_FROM_TRUTH = frozenset({"positions", "bearings", "headings", "velocities", "ids"})
+GIVEN_BY_LASER = frozenset({"positions", "bearings"})
+
+
+def _check_information(law: lawentry.Law, group: Group, reads: frozenset[str]) -> None:
+    """Refuses a law that needs what the pipeline cannot give."""
+    given = INFERRED_FROM_TRUTH if "truth" in reads else GIVEN_BY_LASER
+    missing = law.needs - given
+    if missing:
+        raise InputError(
+            f"law {group.law!r} needs {' and '.join(sorted(missing))} of its neighbours, which pipeline "
+            f"{group.pipeline!r} does not give; expected a pipeline that does, such as perfect"
+        )
+
+
+def _check_room(trial: Trial, world: World, poses_w: Floats) -> None:
+    """Refuses a corridor that robots could leave behind."""
+    fastest = max(min(group.speed_m_s, create.MAX_SPEED) for group in trial.groups)
+    reach = float(np.abs(poses_w[:, 0]).max()) + fastest * trial.duration_s
+    if reach > world.free_length:
+        needed = math.ceil(2 * (reach + create.RADIUS))
+        raise InputError(
+            f"world {trial.world!r} reaches {world.free_length:.1f} m to each side and a robot could go {reach:.1f} m; "
+            f"expected a longer one: --set world.length_m={needed}"
+        )

@@ -1,0 +1,128 @@
+"""One robot's mind: the five stages as five methods, called by the loop."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+
+from flocking import selection
+from flocking.lawentry import MOTIONS_WITHOUT_NUMBERS, OWN_SIZE, Law
+from flocking.types import Bools, Floats, Kind, Members, Motion, Own
+from robots.controller import follow
+from robots.fleet import Fleet
+from sensing.laser import Lasers
+from sensing.types import Detection, PipelineState, ScanTruth, Senses, WorldTruth
+from trials.types import Group
+
+_NO_COMPASS = float("nan")
+_NO_GOAL = np.full(2, np.nan)
+
+
+class LawError(ValueError):
+    """A law returned what it must not."""
+
+
+@dataclass
+class Robot:
+    """The k-th robot of a trial: its clock, its stages, and what it remembers between updates."""
+
+    index: int
+    name: str
+    group: Group
+    period: int
+    """Ticks between updates."""
+    latency: int
+    """Ticks from sensing to acting."""
+    next_tick: int
+    pipeline: ModuleType
+    pipeline_state: PipelineState
+    selections: list[list[tuple[Callable[..., Bools], tuple[float, ...]]]]
+    law: Law
+    law_parameters: Floats
+    law_rng: np.random.Generator
+    range_rng: np.random.Generator
+    intensity_rng: np.random.Generator
+    reads: frozenset[str]
+    """What its pipeline reads."""
+    fleet: Fleet
+    lasers: Lasers | None
+    memory: Floats
+    dt: float
+    command: tuple[float, float] = (0.0, 0.0)
+    """Speed (m/s) and turn rate (rad/s) decided last."""
+    own: Own | None = None
+    _own_row: Floats = field(default_factory=lambda: np.full(OWN_SIZE, np.nan))
+    _motion_row: Floats = field(default_factory=lambda: np.zeros(4))
+
+    def sense(
+        self, data: Any, time: float, truth: WorldTruth | None, *, record: bool
+    ) -> tuple[Senses, ScanTruth | None]:
+        """Stage 1. The second value is ground truth: it goes past the robot, to the log.
+
+        Nothing that nobody reads is sensed, unless it is recorded.
+        """
+        speed, turn_rate = self.fleet.velocity(self.index)
+        contacts = self.fleet.take_contacts(self.index)
+        velocity = np.array((speed, 0.0))
+        self.own = Own(velocity, turn_rate, _NO_COMPASS, _NO_GOAL, contacts, self.dt, self.index, 0)
+        row = self._own_row
+        row[0], row[1], row[2] = speed, 0.0, turn_rate
+        row[6], row[7], row[8], row[9], row[10] = contacts[0], contacts[1], self.dt, self.index, 0.0
+        if self.lasers is None or not (record or "scan" in self.reads or "intensity" in self.reads):
+            return Senses(None, truth), None
+        rng = self.intensity_rng if record or "intensity" in self.reads else None
+        scan, scan_truth = self.lasers.read(data, self.index, time, self.range_rng, rng)
+        return Senses(scan, truth), scan_truth
+
+    def detect(self, senses: Senses) -> Detection:
+        """Stage 2."""
+        detection, self.pipeline_state = self.pipeline.detect(senses, self.own, self.pipeline_state)
+        return detection
+
+    def select(self, members: Members) -> Bools:
+        """Stage 3: masks (S, M)."""
+        sets = np.ones((len(self.selections), len(members.ids)), dtype=np.bool_)
+        for s, steps in enumerate(self.selections):
+            if steps:
+                sets[s] = selection.select(steps, members)
+        return sets
+
+    def decide(self, detection: Detection, sets: Bools) -> Motion:
+        """Stage 4. Raises `LawError` if the law returns an unknown kind or rule, or numbers that are not finite."""
+        draws = self.law_rng.random(self.law.draws)
+        row = self._motion_row
+        members = detection.members
+        self.law.entry(
+            self._own_row,
+            members.positions,
+            members.bearings,
+            members.headings,
+            members.velocities,
+            members.ids,
+            sets,
+            detection.obstacles.points,
+            self.law_parameters,
+            self.memory,
+            draws,
+            row,
+        )
+        kind, x, y, rule = row.tolist()
+        finite = kind in MOTIONS_WITHOUT_NUMBERS or abs(x) + abs(y) < np.inf
+        if not (finite and 0 <= kind < len(Kind) and 0 <= rule < len(self.law.rules)):
+            raise LawError(f"law {self.law.name!r} returned kind {kind:g}, x {x:g}, y {y:g}, rule {rule:g} for {self.name}")
+        return Motion(int(kind), x, y, int(rule))
+
+    def drive(self, motion: Motion) -> tuple[float, float]:
+        """Stage 5, first half: what the wheels shall do; takes effect when `apply` is called after the latency."""
+        self.command = follow(
+            motion.kind, motion.x, motion.y, self.group.speed_m_s, self.command[0], self.command[1], self.dt
+        )
+        return self.command
+
+    def apply(self, command: tuple[float, float]) -> None:
+        """Stage 5, second half: the command reaches the wheels."""
+        self.fleet.command(self.index, command[0], command[1])

@@ -1,0 +1,131 @@
+"""Walls and robots made into one MuJoCo model."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from flocking import found
+from flocking.parameters import filled
+from flocking.types import Bools, Floats, Ints
+from robots import physics, touching
+from robots.fleet import Fleet
+from worlds.walls import Walls, add_walls
+
+FLOOR_MASK = 1
+_NEW_CONTACTS = 256
+
+
+@dataclass
+class World:
+    """A compiled world with its robots; the only mutable thing in a trial besides the robots' minds."""
+
+    model: mujoco.MjModel
+    data: mujoco.MjData
+    fleet: Fleet
+    walls: Walls
+    names: tuple[str, ...]
+    free_length: float
+    """How far from the origin a robot may get along x before it could meet an end, m."""
+    _owners: Ints
+    _touching: Bools
+    _began: Floats
+    contacts: list[tuple[float, ...]] = field(default_factory=list)
+    """One row for each contact that began: time, robot, other (−1 = a wall), x, y."""
+    observers: list[Callable[[mujoco.MjData], None]] = field(default_factory=list)
+    """Called after every step: sensors that need to know how the robots moved."""
+    tick: int = 0
+
+    def advance(self, to: int) -> None:
+        """Steps physics until tick `to`: wheel ramps before every step, encoders and contacts after it."""
+        model, data, fleet, step = self.model, self.data, self.fleet, mujoco.mj_step
+        while self.tick < to:
+            fleet.before_step(data)
+            step(model, data)
+            fleet.after_step(data)
+            self.tick += 1
+            contact = data.contact
+            count = touching.begun(contact.geom, contact.pos, self._owners, self._touching, self._began)
+            for row in self._began[:count]:
+                self.contacts.append((data.time, *row.tolist()))
+            for observe in self.observers:
+                observe(data)
+
+
+def build(
+    world: str,
+    world_parameters: Mapping[str, Any],
+    bodies: Sequence[str],
+    names: Sequence[str],
+    poses_w: Floats,
+    timestep_s: float,
+) -> World:
+    """The world of that name with one robot of each body at each pose (N, 3).
+
+    Raises `InputError` for an unknown world, body or parameter.
+    """
+    module = found.load("worlds", world, "world")
+    parameters = filled(module.Parameters, world_parameters, prefix="world.")
+    walls = module.walls(parameters)
+    model = specification(walls, bodies, names, poses_w, timestep_s).compile()
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    fleet = Fleet(model, [prefix(name) for name in names])
+    return World(
+        model=model,
+        data=data,
+        fleet=fleet,
+        walls=walls,
+        names=tuple(names),
+        free_length=float(module.free_length(parameters)),
+        _owners=_geom_owners(model, fleet.root_bodies),
+        _touching=np.zeros((len(names), len(names) + 1), dtype=np.bool_),
+        _began=np.empty((_NEW_CONTACTS, 4)),
+    )
+
+
+def prefix(name: str) -> str:
+    """What stands before the names of a robot's parts in the model."""
+    return f"{name}/"
+
+
+def specification(
+    walls: Walls, bodies: Sequence[str], names: Sequence[str], poses_w: Floats, timestep_s: float
+) -> mujoco.MjSpec:
+    """Floor, walls and robots as an editable specification."""
+    spec = mujoco.MjSpec()
+    spec.modelname = "herd"
+    physics.apply_options(spec, timestep_s)
+    spec.worldbody.add_light(pos=[0.0, 0.0, 6.0], dir=[0.0, 0.0, -1.0])
+    spec.worldbody.add_geom(
+        name="floor",
+        type=mujoco.mjtGeom.mjGEOM_PLANE,
+        size=[0.0, 0.0, 1.0],
+        contype=FLOOR_MASK,
+        conaffinity=0,
+        rgba=[0.92, 0.92, 0.9, 1.0],
+    )
+    add_walls(spec, walls)
+    for body, name, (x, y, heading) in zip(bodies, names, poses_w, strict=True):
+        frame = spec.worldbody.add_frame(
+            pos=[x, y, 0.0], quat=[math.cos(heading / 2), 0.0, 0.0, math.sin(heading / 2)]
+        )
+        spec.attach(found.load("robots", body, "body").spec(), prefix=prefix(name), frame=frame)
+    return spec
+
+
+def _geom_owners(model: mujoco.MjModel, roots: Ints) -> Ints:
+    """For each geom the robot that it is the hull of, the number of robots for walls, else `UNOWNED`."""
+    owners = np.full(model.ngeom, touching.UNOWNED, dtype=np.int64)
+    robots = {int(root): k for k, root in enumerate(roots)}
+    for geom in range(model.ngeom):
+        if not model.geom_contype[geom] & physics.HULL_MASK:
+            continue
+        body = int(model.body_rootid[model.geom_bodyid[geom]])
+        owners[geom] = robots.get(body, len(robots))
+    return owners
