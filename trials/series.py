@@ -59,7 +59,7 @@ def unpack(data: bytes) -> TrialResult:
             head = json.loads(archive.read(HEAD))
             if head["format"] != FORMAT:
                 raise InputError(f"series of format {head['format']}: this version reads format {FORMAT}")
-            arrays = {
+            arrays: dict[str, Any] = {
                 name.removesuffix(".npy"): np.lib.format.read_array(
                     io.BytesIO(archive.read(name)), allow_pickle=False
                 )

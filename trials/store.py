@@ -7,7 +7,8 @@
     code/               users' files that took part
 
 Only one process writes. A trial's series comes first, then its recording (each to a temporary file that is
-synced and renamed), its row last and in a transaction: what has a row is complete, whenever the run was killed.
+synced and renamed), its row last and in a transaction: what has a row is complete, whenever the run was
+killed.
 """
 
 from __future__ import annotations
@@ -87,7 +88,12 @@ class Store:
             rows = self.connection.execute(
                 "SELECT idx, status, reason, seed, repeat, conditions, measures FROM trials ORDER BY idx"
             ).fetchall()
-            return [Row(*row[:5], json.loads(row[5]), numbers(json.loads(row[6]))) for row in rows]
+            return [
+                Row(
+                    index, status, reason, seed, repeat, json.loads(conditions), numbers(json.loads(measures))
+                )
+                for index, status, reason, seed, repeat, conditions, measures in rows
+            ]
 
     def timing(self) -> dict[int, dict[str, float]]:
         """Wall time (s) of each finished trial in all (`seconds`) and by part."""
@@ -164,7 +170,7 @@ def create(folder: Path, run: Mapping[str, Any], code: Mapping[str, str]) -> Sto
     taken = [name for name in (RUN, RESULTS, SERIES, RECORDINGS, CODE) if (folder / name).exists()]
     if taken:
         raise InputError(
-            f"{folder} already holds a run ({taken[0]}): another --out, or finish that one: herd resume {folder}"
+            f"{folder} already holds a run ({taken[0]}): name another folder, or finish it: herd resume {folder}"
         )
     try:
         return _create(folder, run, code)
