@@ -1,0 +1,223 @@
+"""The iRobot Create (first generation) with its payload, as a MuJoCo model.
+
+Grades of the constants: P a primary document says so; C read in published code; S a secondary page; D derived;
+? not found, a choice of ours. The frame's origin stands on the floor midway between the wheels, x forward, z up.
+
+The outline meets walls and other robots through one sphere whose equator is the bumper's ring: against vertical
+walls and against other Creates it touches exactly where an upright cylinder would, at one point and at the bumper's
+height, at a fraction of the cost. It is invisible (alpha 0); what lasers and eyes see are plain cylinders and boxes.
+"""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import NamedTuple
+
+import mujoco
+
+from robots.physics import FLOOR_CONTACT, HULL_CONTACT, RUNNING_GEAR_CONTACT, apply_options
+
+# Base ---------------------------------------------------------------------------------------------
+DIAMETER = 0.33  # m; C: Player's create driver
+RADIUS = DIAMETER / 2  # D
+AXLE_TRACK = 0.258  # m between the wheels' contact points; C: libcreate (CREATE_1), Player's create driver
+WHEEL_RADIUS = 0.033  # m; C: turtlebot's model of the Create 1
+WHEEL_WIDTH = 0.023  # m; C: turtlebot's model
+CASTER_X = 0.13  # m, one before and one behind; C: turtlebot's model
+REAR_CLEARANCE = 0.0005  # m of the rear caster at rest: it only catches; ?
+CASTER_RADIUS = 0.015  # m; ?
+GROUND_CLEARANCE = 0.012  # m; ?
+DECK_HEIGHT = 0.065  # m, top of the base; ?
+BUMPER_HEIGHT = 0.045  # m, middle of the bumper's ring; ?
+BASE_MASS = 2.5  # kg with battery and wheels; S: models 2 to 2.5, the real machine 2.5 to 3
+WHEEL_MASS = 0.1  # kg, the turning part of one wheel; ?
+BATTERY_MASS = 0.5  # kg of the base's mass; ?
+BATTERY_X = 0.05  # m before the axle; ?: the bare machine rests on its front caster
+
+# Payload ------------------------------------------------------------------------------------------
+LAPTOP_MASS = 1.0  # kg, ASUS Eee PC; S
+LAPTOP_SIZE = (0.164, 0.225, 0.035)  # m, closed, x y z; S: Eee PC 900
+LAPTOP_X = 0.035  # m before the axle; ?: within the outline
+LASER_MASS = 0.16  # kg, Hokuyo URG-04LX-UG01; S: data sheet
+LASER_SIZE = (0.05, 0.05, 0.045)  # m, housing below its window; S: 50 x 50 mm, its height is ?
+LASER_WINDOW = 0.055  # m, scan plane above the laser's foot; ?
+LASER_HEIGHT = DECK_HEIGHT + LAPTOP_SIZE[2] + LASER_WINDOW  # D: the laser stands on the laptop on the deck
+LASER_X = 0.0  # m, before the axle; ?: over the robot's centre, so that bearings are the body's
+SILHOUETTE_RADIUS = RADIUS  # m of the reflective cylinder; ?: about the base's (Fine 2015, figure 2.4)
+SILHOUETTE_HEIGHT = 0.12  # m; ?: the laser's plane in its upper half
+SILHOUETTE_MASS = 0.05  # kg; ?: about 0.12 m² of cardboard at 0.4 kg/m²
+
+# Reflectance (diffuse albedo; on-axis brightness of the retroreflective part relative to white paper) ------------
+SHEETING = (0.5, 1500.0)  # reflective paper; S: sheeting is about 1500 times diffuse white on axis; albedo ?
+PLASTIC = (0.6, 0.0)  # light plastic; ?
+DARK = (0.1, 0.0)  # black plastic and rubber; ?
+
+# Drive --------------------------------------------------------------------------------------------
+MAX_SPEED = 0.5  # m/s of each wheel; P: Open Interface, drive command
+MAX_WHEEL_ACCELERATION = 0.9  # m/s² at the rim; C: Create 3 (none is published for the first generation)
+MAX_WHEEL_TORQUE = 0.5  # N m; ?: enough to break the tyre's grip at a wall
+WHEEL_SERVO_GAIN = 0.5  # N m s/rad; ?: follows a ramp within 2 mm/s and does not chatter when it saturates
+ROTOR_INERTIA = 1e-3  # kg m² at the wheel's axis; ?: a small motor behind a gear
+TYRE_FRICTION = 0.8  # rubber on a hard floor; ?
+BUMPER_FRICTION = 0.3  # plastic on paint; ?
+
+
+class Part(NamedTuple):
+    """A solid that gives the robot mass (and looks): a cylinder about z, or a box."""
+
+    name: str
+    size: tuple[float, ...]
+    """m: cylinder (radius, height); box (x, y, z), full lengths."""
+    position: tuple[float, float, float]
+    """m, of its centre."""
+    mass: float
+    reflectance: tuple[float, float]
+    rgba: tuple[float, float, float, float]
+
+
+CHASSIS_HEIGHT = DECK_HEIGHT - GROUND_CLEARANCE  # D
+LAPTOP_TOP = DECK_HEIGHT + LAPTOP_SIZE[2]  # D
+PARTS = (
+    Part(
+        "chassis",
+        (RADIUS, CHASSIS_HEIGHT),
+        (0.0, 0.0, GROUND_CLEARANCE + CHASSIS_HEIGHT / 2),
+        BASE_MASS - BATTERY_MASS - 2 * WHEEL_MASS,
+        PLASTIC,
+        (0.86, 0.87, 0.88, 1.0),
+    ),
+    Part("battery", (0.1, 0.12, 0.04), (BATTERY_X, 0.0, 0.035), BATTERY_MASS, DARK, (0.2, 0.2, 0.2, 1.0)),
+    Part(
+        "laptop",
+        LAPTOP_SIZE,
+        (LAPTOP_X, 0.0, DECK_HEIGHT + LAPTOP_SIZE[2] / 2),
+        LAPTOP_MASS,
+        DARK,
+        (0.1, 0.1, 0.12, 1.0),
+    ),
+    Part(
+        "hokuyo",
+        LASER_SIZE,
+        (LASER_X, 0.0, LAPTOP_TOP + LASER_SIZE[2] / 2),
+        LASER_MASS,
+        DARK,
+        (0.15, 0.15, 0.15, 1.0),
+    ),
+    Part(
+        "sheeting",
+        (SILHOUETTE_RADIUS, SILHOUETTE_HEIGHT),
+        (0.0, 0.0, DECK_HEIGHT + SILHOUETTE_HEIGHT / 2),
+        SILHOUETTE_MASS,
+        SHEETING,
+        (0.93, 0.55, 0.12, 1.0),
+    ),
+)
+
+# Contacts: stiffness as MuJoCo's time constant (twice the largest timestep) and impedance. With 0.99 a wheel sinks in
+# by less than 0.05 mm under its load, so it rolls less than 0.1 % short.
+STIFF = {"solref": (0.02, 1.0), "solimp": (0.99, 0.99, 0.001, 0.5, 2.0)}
+
+XML = Path(__file__).with_name("create.xml")
+
+
+def spec() -> mujoco.MjSpec:
+    """One Create on the plane z = 0 at the origin, facing +x: no floor, no light, no solver options.
+
+    Body `base` with the free joint `root`; bodies, joints and actuators `left` and `right` of the wheels (control:
+    wheel speed, rad/s); touch sensors `bumper_left`, `bumper_right` (N); site `laser`. To be attached to a world.
+    """
+    robot = mujoco.MjSpec()
+    robot.modelname = "create"
+    base = robot.worldbody.add_body(name="base")
+    base.add_freejoint(name="root")
+    for part in PARTS:
+        _add_part(base, part)
+    kind = mujoco.mjtGeom
+    base.add_geom(
+        name="hull", type=kind.mjGEOM_SPHERE, size=(RADIUS, 0, 0), pos=(0, 0, BUMPER_HEIGHT), mass=0.0,
+        contype=HULL_CONTACT[0], conaffinity=HULL_CONTACT[1], condim=3, priority=1,
+        friction=(BUMPER_FRICTION, 0, 0), rgba=(0, 0, 0, 0), group=3, userdata=DARK, solref=(0.02, 1.0),
+    )  # fmt: skip
+    gear = {
+        "contype": RUNNING_GEAR_CONTACT[0],
+        "conaffinity": RUNNING_GEAR_CONTACT[1],
+        "priority": 1,
+        "userdata": DARK,
+    }
+    for name, x, z in (("front_caster", CASTER_X, 0.0), ("rear_caster", -CASTER_X, REAR_CLEARANCE)):
+        base.add_geom(
+            name=name, type=kind.mjGEOM_SPHERE, size=(CASTER_RADIUS, 0, 0), pos=(x, 0, z + CASTER_RADIUS),
+            mass=0.0,
+            condim=1, rgba=(0.2, 0.2, 0.2, 1), **gear, **STIFF,
+        )  # fmt: skip
+    for name, side in (("left", 1.0), ("right", -1.0)):
+        _add_wheel(robot, base, name, side * AXLE_TRACK / 2, gear)
+        _add_bumper(robot, base, f"bumper_{name}", side)
+    base.add_site(name="laser", pos=(LASER_X, 0, LASER_HEIGHT), size=(0.005, 0.005, 0.005))
+    return robot
+
+
+def _add_part(base: mujoco.MjsBody, part: Part) -> None:
+    box = len(part.size) == 3
+    size = [length / 2 for length in part.size] if box else [part.size[0], part.size[1] / 2, 0.0]
+    base.add_geom(
+        name=part.name, type=mujoco.mjtGeom.mjGEOM_BOX if box else mujoco.mjtGeom.mjGEOM_CYLINDER, size=size,
+        pos=part.position, mass=part.mass, contype=0, conaffinity=0, rgba=part.rgba, userdata=part.reflectance,
+    )  # fmt: skip
+
+
+def _add_wheel(robot: mujoco.MjSpec, base: mujoco.MjsBody, name: str, y: float, gear: dict) -> None:
+    wheel = base.add_body(name=name, pos=(0, y, WHEEL_RADIUS))
+    wheel.add_joint(name=name, axis=(0, 1, 0), armature=ROTOR_INERTIA)
+    wheel.add_geom(
+        name=f"{name}_rim", type=mujoco.mjtGeom.mjGEOM_CYLINDER, size=(WHEEL_RADIUS, WHEEL_WIDTH / 2, 0),
+        quat=(math.sqrt(0.5), math.sqrt(0.5), 0, 0), mass=WHEEL_MASS, contype=0, conaffinity=0,
+        rgba=(0.1, 0.1, 0.1, 1), userdata=DARK,
+    )  # fmt: skip
+    wheel.add_geom(
+        name=f"{name}_tyre", type=mujoco.mjtGeom.mjGEOM_SPHERE, size=(WHEEL_RADIUS, 0, 0), mass=0.0, condim=3,
+        friction=(TYRE_FRICTION, 0, 0), rgba=(0, 0, 0, 0), group=3, **gear, **STIFF,
+    )  # fmt: skip
+    servo = robot.add_actuator(name=name, target=name, trntype=mujoco.mjtTrn.mjTRN_JOINT)
+    servo.set_to_velocity(kv=WHEEL_SERVO_GAIN)
+    servo.forcelimited = True
+    servo.forcerange = (-MAX_WHEEL_TORQUE, MAX_WHEEL_TORQUE)
+
+
+BUMPER_OVERLAP = 0.035  # m either side of the middle where both bits are set; ?: about 12 degrees
+
+
+def _add_bumper(robot: mujoco.MjSpec, base: mujoco.MjsBody, name: str, side: float) -> None:
+    """Half of the front ring as a touch sensor: contacts before the axle, from the middle (and a little over)."""
+    reach = RADIUS + 0.02
+    base.add_site(
+        name=name, type=mujoco.mjtGeom.mjGEOM_BOX, group=4,
+        size=(reach / 2, (reach + BUMPER_OVERLAP) / 2, 0.03),
+        pos=(reach / 2, side * (reach - BUMPER_OVERLAP) / 2, BUMPER_HEIGHT),
+    )  # fmt: skip
+    robot.add_sensor(
+        name=name, type=mujoco.mjtSensor.mjSENS_TOUCH, objtype=mujoco.mjtObj.mjOBJ_SITE, objname=name
+    )
+
+
+def scene() -> mujoco.MjSpec:
+    """One Create on a floor with a light: what `create.xml` holds."""
+    world = spec()
+    apply_options(world)
+    floor = world.worldbody.add_geom(name="floor", type=mujoco.mjtGeom.mjGEOM_PLANE, size=(0, 0, 1))
+    floor.contype, floor.conaffinity = FLOOR_CONTACT
+    floor.rgba = (0.55, 0.57, 0.6, 1)
+    world.worldbody.add_light(pos=(0, 0, 3), dir=(0, 0, -1))
+    return world
+
+
+def xml() -> str:
+    """The text of `create.xml`."""
+    world = scene()
+    world.compile()
+    return str(world.to_xml())
+
+
+if __name__ == "__main__":
+    XML.write_text(xml(), encoding="utf-8")

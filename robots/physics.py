@@ -1,0 +1,35 @@
+"""The solver's options, the same for every world with robots in it."""
+
+from __future__ import annotations
+
+import mujoco
+
+TIMESTEP = 0.01
+"""s. Chosen by evidence: tests/robots/test_timestep.py holds motion and odometry against half of it."""
+
+GRAVITY = 9.81
+"""m/s²."""
+
+FLOOR_CONTACT = (1, 0)
+"""contype, conaffinity of the floor: meets wheels and casters only."""
+RUNNING_GEAR_CONTACT = (0, 1)
+"""contype, conaffinity of wheels and casters: meet the floor only."""
+HULL_CONTACT = (2, 2)
+"""contype, conaffinity of hulls and walls: meet one another."""
+
+
+def apply_options(spec: mujoco.MjSpec, timestep_s: float = TIMESTEP) -> None:
+    """Set the solver's options of a world in which robots drive.
+
+    Newton's solver with a pyramidal cone and the implicit integrator (fast variant): the wheels' servos are stiff
+    and must be integrated implicitly. Mid-phase and multi-contact convex collision are of no use to spheres,
+    planes and boxes.
+    """
+    spec.nuser_geom = 2  # reflectance: diffuse, retroreflective
+    option = spec.option
+    option.timestep = timestep_s
+    option.gravity = (0.0, 0.0, -GRAVITY)
+    option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+    option.solver = mujoco.mjtSolver.mjSOL_NEWTON
+    option.cone = mujoco.mjtCone.mjCONE_PYRAMIDAL
+    option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_MIDPHASE | mujoco.mjtDisableBit.mjDSBL_MULTICCD)
