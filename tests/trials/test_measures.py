@@ -160,17 +160,18 @@ def test_a_fixed_way_point_is_smooth_however_the_robot_moves() -> None:
     c, s = np.cos(poses[:, 2]), np.sin(poses[:, 2])
     gap = np.array([4.0, 1.0]) - poses[:, :2]
     way_points = np.column_stack([c * gap[:, 0] + s * gap[:, 1], -s * gap[:, 0] + c * gap[:, 1]])
-    rows: list[Row] = [(0.1 * k, 0, Kind.WAY_POINT, 1, tuple(way_points[k]), []) for k in range(20)]  # type:
-    ignore[misc] found = measure(trial_of(rows, update_poses=poses)) assert found["smoothness"] ==
-    pytest.approx(0.0, abs=1e-20) assert found["way_point_variance"] ==
-    pytest.approx(way_points.var(axis=0).sum(), rel=1e-12) assert found["way_point_bearing_variance"] > 0.1
+    rows: list[Row] = [(0.1 * k, 0, Kind.WAY_POINT, 1, (x, y), []) for k, (x, y) in enumerate(way_points)]
+    found = measure(trial_of(rows, update_poses=poses))
+    assert found["smoothness"] == pytest.approx(0.0, abs=1e-20)
+    assert found["way_point_variance"] == pytest.approx(way_points.var(axis=0).sum(), rel=1e-12)
+    assert found["way_point_bearing_variance"] > 0.1
 
 
 def test_smoothness_estimates_the_variance_of_independent_jitter() -> None:
     """White noise of standard deviation 0.2 m on both axes about a slow drift: 2 x 0.04 m2.
 
-    The estimator's variance is 3 sigma^4 / n an axis; two axes, the mean of two robots, n = 2000: the standard
-    error is 0.04 sqrt(3 / 2000) = 0.0016. The bound is four of them.
+    The estimator's variance is 3 sigma^4 / n an axis; two axes, the mean of two robots, n = 2000: the
+    standard error is 0.04 sqrt(3 / 2000) = 0.0016. The bound is four of them.
     """
     rng = np.random.default_rng(10)
     rows: list[Row] = []
