@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import mujoco
 
-from robots.physics import FLOOR_CONTACT, HULL_CONTACT, RUNNING_GEAR_CONTACT, apply_options
+from robots.physics import FLOOR_MASK, HULL_MASK, apply_options
 
 # Base ---------------------------------------------------------------------------------------------
 DIAMETER = 0.33  # m; C: Player's create driver
@@ -136,12 +136,12 @@ def spec() -> mujoco.MjSpec:
     kind = mujoco.mjtGeom
     base.add_geom(
         name="hull", type=kind.mjGEOM_SPHERE, size=(RADIUS, 0, 0), pos=(0, 0, BUMPER_HEIGHT), mass=0.0,
-        contype=HULL_CONTACT[0], conaffinity=HULL_CONTACT[1], condim=3, priority=1,
+        contype=HULL_MASK, conaffinity=HULL_MASK, condim=3, priority=1,
         friction=(BUMPER_FRICTION, 0, 0), rgba=(0, 0, 0, 0), group=3, userdata=DARK, solref=(0.02, 1.0),
     )  # fmt: skip
     gear = {
-        "contype": RUNNING_GEAR_CONTACT[0],
-        "conaffinity": RUNNING_GEAR_CONTACT[1],
+        "contype": 0,
+        "conaffinity": FLOOR_MASK,
         "priority": 1,
         "userdata": DARK,
     }
@@ -206,7 +206,7 @@ def scene() -> mujoco.MjSpec:
     world = spec()
     apply_options(world)
     floor = world.worldbody.add_geom(name="floor", type=mujoco.mjtGeom.mjGEOM_PLANE, size=(0, 0, 1))
-    floor.contype, floor.conaffinity = FLOOR_CONTACT
+    floor.contype, floor.conaffinity = FLOOR_MASK, 0
     floor.rgba = (0.55, 0.57, 0.6, 1)
     world.worldbody.add_light(pos=(0, 0, 3), dir=(0, 0, -1))
     return world

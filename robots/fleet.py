@@ -56,6 +56,8 @@ class Fleet:
         self.root_bodies: Ints = bodies
         """(N,) body ids of the bases."""
         self._addresses = addresses
+        first = np.array([model.joint(f"{prefix}root").dofadr[0] for prefix in prefixes], dtype=np.int64)
+        self._linear = first.reshape(-1, 1) + np.arange(2)
         self._state = np.zeros((len(prefixes), _COLUMNS))
         self._clock = np.array([polling_s, 0.0, model.opt.timestep])  # period, requests made, timestep
         self._ramp = create.MAX_WHEEL_ACCELERATION / create.WHEEL_RADIUS * model.opt.timestep
@@ -88,6 +90,10 @@ class Fleet:
         poses = np.empty((len(self._addresses), 3))
         _poses(self._addresses, data.qpos, poses)
         return poses
+
+    def velocities(self, data: mujoco.MjData) -> Floats:
+        """(N, 2) true velocity of all robots over ground in the world frame, m/s."""
+        return data.qvel[self._linear]
 
     @property
     def odometry(self) -> Floats:

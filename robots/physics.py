@@ -10,12 +10,10 @@ TIMESTEP = 0.01
 GRAVITY = 9.81
 """m/s²."""
 
-FLOOR_CONTACT = (1, 0)
-"""contype, conaffinity of the floor: meets wheels and casters only."""
-RUNNING_GEAR_CONTACT = (0, 1)
-"""contype, conaffinity of wheels and casters: meet the floor only."""
-HULL_CONTACT = (2, 2)
-"""contype, conaffinity of hulls and walls: meet one another."""
+FLOOR_MASK = 1
+"""Contact bit of the floor (its contype) and of wheels and casters (their conaffinity): they meet only one another."""
+HULL_MASK = 2
+"""Contact bit of hulls and walls, in both fields: they meet one another, not the floor."""
 
 
 def apply_options(spec: mujoco.MjSpec, timestep_s: float = TIMESTEP) -> None:
