@@ -13,6 +13,7 @@ import numpy as np
 
 from flocking import measures as formation
 from flocking.types import Bools, Floats, Ints, Kind
+from sensing.truth import DETECTED, MISSED
 from trials.types import TrialResult, Updates
 
 NEAREST_BOUND = math.radians(15.0)
@@ -24,9 +25,6 @@ at half and twice."""
 GROUP_CUT_M = 1.32
 """Members farther apart belong to different groups (single linkage). Choice: twice the repulsion distance of
 two body-lengths, so that one member missing from a chain does not break it."""
-
-HIDDEN, DETECTED, MISSED = 0, 1, 2
-"""Codes of `Updates.member_states`."""
 
 
 class Measure(NamedTuple):
@@ -230,7 +228,7 @@ def _seen_distances(updates: Updates, of_update: Ints, robots: int) -> Floats:
     if len(of_update) == 0:
         return np.full(3, np.nan)
     positions = updates.input_positions.astype(np.float64)
-    distances = np.hypot(positions[:, 0], positions[:, 1])
+    distances = np.sqrt(np.einsum("ki,ki->k", positions, positions))
     key = of_update * (robots + 1) + updates.input_owners + 1
     counts = np.bincount(key)
     seen = counts > 0

@@ -99,7 +99,7 @@ def test_straightness_of_two_members_and_of_one_point() -> None:
 def test_formations_are_measured_alike_wherever_they_stand_and_face() -> None:
     rng = np.random.default_rng(5)
     formation = rng.normal(size=(9, 2))
-    moved = [*_turned(formation, 1.1), 3.0, -7.0]
+    moved = _turned(formation, 1.1) + np.array([3.0, -7.0])
     shuffled = moved[rng.permutation(9)]
     for measure in (measures.mmd, measures.straightness):
         assert measure(shuffled) == pytest.approx(measure(formation), abs=1e-9)

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from flocking.types import Floats, Kind
-from trials.measures import ABOUT, DETECTED, HIDDEN, MISSED, measure, nearest_inputs, way_point_angles
+from sensing.truth import DETECTED, HIDDEN, MISSED
+from trials.measures import ABOUT, measure, nearest_inputs, way_point_angles
 from trials.types import Contacts, Group, Trial, TrialResult, Updates
 
 RULES = ("none", "snn", "hamilton", "perpendicular")
