@@ -17,24 +17,25 @@ def distance(positions: Floats, i: int, j: int) -> float:
 
 
 @compiled
-def nearest(positions: Floats, chosen: Bools) -> int:
-    """Row of the member nearest to the focal member among the chosen ones, `NOT_FOUND` if there is none.
+def before(positions: Floats, i: int, j: int) -> bool:
+    """Whether row i comes before row j when nothing else tells them apart: nearer, then smaller x, then smaller y.
 
-    Ties go to the smaller x, then the smaller y, so that the order of neighbours does not matter.
+    Laws that break ties so do not depend on the order of neighbours.
     """
+    xi, yi, xj, yj = positions[i, 0], positions[i, 1], positions[j, 0], positions[j, 1]
+    squared_i, squared_j = xi * xi + yi * yi, xj * xj + yj * yj
+    if squared_i != squared_j:
+        return squared_i < squared_j
+    return xi < xj if xi != xj else yi < yj
+
+
+@compiled
+def nearest(positions: Floats, chosen: Bools) -> int:
+    """Row of the member nearest to the focal member among the chosen ones, `NOT_FOUND` if there is none."""
     best = NOT_FOUND
-    best_squared = math.inf
     for i in range(len(positions)):
-        if not chosen[i]:
-            continue
-        x, y = positions[i, 0], positions[i, 1]
-        squared = x * x + y * y
-        if squared < best_squared or (
-            squared == best_squared
-            and best >= 0
-            and (x < positions[best, 0] or (x == positions[best, 0] and y < positions[best, 1]))
-        ):
-            best, best_squared = i, squared
+        if chosen[i] and (best == NOT_FOUND or before(positions, i, best)):
+            best = i
     return best
 
 
@@ -42,18 +43,16 @@ def nearest(positions: Floats, chosen: Bools) -> int:
 def nearest_to(positions: Floats, chosen: Bools, focus: int, beyond: float) -> int:
     """Row of the chosen member nearest to row `focus` among those farther from it than `beyond` (m).
 
-    Never `focus` itself; `NOT_FOUND` if there is none. Ties go to the one nearer to the focal member.
+    Never `focus` itself; `NOT_FOUND` if there is none.
     """
     best = NOT_FOUND
     best_gap = math.inf
-    best_squared = math.inf
     for i in range(len(positions)):
         if i == focus or not chosen[i]:
             continue
         gap = distance(positions, i, focus)
         if gap <= beyond or gap > best_gap:
             continue
-        squared = positions[i, 0] ** 2 + positions[i, 1] ** 2
-        if gap < best_gap or squared < best_squared:
-            best, best_gap, best_squared = i, gap, squared
+        if gap < best_gap or before(positions, i, best):
+            best, best_gap = i, gap
     return best

@@ -147,9 +147,18 @@ def read_source(path: str) -> str:
     try:
         return Path(path).read_text(encoding="utf-8")
     except FileNotFoundError:
-        raise InputError(f"law file {path!r} does not exist; expected a Python file or one of {', '.join(names())}") from None
+        raise InputError(
+            f"law file {path!r} does not exist; expected a Python file or one of {', '.join(names())}"
+        ) from None
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(f"law file {path!r} cannot be read: {error}") from None
+
+
+def module_of(name: str, source: str = "") -> ModuleType:
+    """A law's module, imported but not compiled: its parameters and what it declares. `InputError` as in `load`."""
+    if is_path(name):
+        return _imported(name, source or read_source(name))[0]
+    return found.load("flocking.laws", name, "law")
 
 
 def load(name: str, source: str = "") -> Law:
@@ -171,6 +180,12 @@ def _load_named(name: str) -> Law:
 
 @cache
 def _load_source(name: str, source: str) -> Law:
+    module, path = _imported(name, source)
+    return _compile(name, module, path, boundscheck=True)
+
+
+@cache
+def _imported(name: str, source: str) -> tuple[ModuleType, Path]:
     try:
         ast.parse(source)
     except SyntaxError as error:
@@ -188,13 +203,13 @@ def _load_source(name: str, source: str) -> Law:
         spec.loader.exec_module(module)
     except Exception as error:
         raise InputError(f"law file {name!r} cannot be imported: {_first_line(error)}") from None
-    return _compile(name, module, path, boundscheck=True)
-
-
-def _compile(name: str, module: ModuleType, path: Path, *, boundscheck: bool) -> Law:
     for wanted in ("law", "Parameters"):
         if not callable(getattr(module, wanted, None)):
             raise InputError(f"law file {name!r} lacks {wanted}; expected law(...) and Parameters, see flocking/laws")
+    return module, path
+
+
+def _compile(name: str, module: ModuleType, path: Path, *, boundscheck: bool) -> Law:
     fields = declared(module.Parameters)
     for field in fields.values():
         if field.type is str:
@@ -202,11 +217,13 @@ def _compile(name: str, module: ModuleType, path: Path, *, boundscheck: bool) ->
     needs = frozenset(getattr(module, "NEEDS", {"positions"}))
     if not needs <= INFORMATION:
         raise InputError(f"law file {name!r}: NEEDS {sorted(needs - INFORMATION)}; expected of {sorted(INFORMATION)}")
-    values = ", ".join(
-        f"{field.type.__name__}(parameters[{i}])" for i, field in enumerate(fields.values())
-    )
+    values = ", ".join(f"{field.type.__name__}(parameters[{i}])" for i, field in enumerate(fields.values()))
     text = _TEMPLATE.format(
-        module=module.__name__, path=str(path), signature=ENTRY_SIGNATURE, values=values, boundscheck=boundscheck
+        module=module.__name__,
+        path=str(path),
+        signature=ENTRY_SIGNATURE,
+        values=values,
+        boundscheck=boundscheck,
     )
     digest = hashlib.sha256((text + path.read_text(encoding="utf-8")).encode()).hexdigest()[:16]
     entry_path = _written(f"entry_{path.stem}_{digest}", text)

@@ -45,7 +45,11 @@ class Herd:
         if k not in self.needs_truth:
             return None
         return WorldTruth(
-            poses_w, self.world.fleet.velocities(self.world.data), self.silhouettes, k, self.world.walls.segments
+            poses_w,
+            self.world.fleet.velocities(self.world.data),
+            self.silhouettes,
+            k,
+            self.world.walls.segments,
         )
 
 
@@ -59,7 +63,12 @@ def assemble(trial: Trial, record: bool) -> Herd:
     start = stream(trial.seed, trial.repeat, 0, 0, Purpose.START)
     poses_w = formations.poses(trial.formation, len(groups), start)
     world = build(
-        trial.world, trial.world_parameters, [group.body for group in groups], names, poses_w, trial.timestep_s
+        trial.world,
+        trial.world_parameters,
+        [group.body for group in groups],
+        names,
+        poses_w,
+        trial.timestep_s,
     )
     _check_room(trial, world, poses_w)
     pipelines = [found.load(PIPELINE, group.pipeline, "pipeline") for group in groups]

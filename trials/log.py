@@ -56,7 +56,19 @@ class Log:
         """One robot's update; `judgement` as `sensing.truth.judge` gives it."""
         owners, states, lit, missed, made_up = judgement
         self.updates.append(
-            (time, robot, motion.kind, motion.rule, motion.x, motion.y, *pose_w.tolist(), *command, lit, missed, made_up)
+            (
+                time,
+                robot,
+                motion.kind,
+                motion.rule,
+                motion.x,
+                motion.y,
+                *pose_w.tolist(),
+                *command,
+                lit,
+                missed,
+                made_up,
+            )
         )
         self.inputs.append(detection.members.positions)
         self.owners.append(owners)

@@ -21,10 +21,14 @@ from trials.types import Trial, TrialResult
 ACT, SENSE, SAMPLE = range(3)
 """What an event does; of those at the same tick, acts come before all sensing, and samples last."""
 
-DIVERGED = (mujoco.mjtWarning.mjWARN_BADQPOS, mujoco.mjtWarning.mjWARN_BADQVEL, mujoco.mjtWarning.mjWARN_BADQACC)
+DIVERGED = (
+    mujoco.mjtWarning.mjWARN_BADQPOS,
+    mujoco.mjtWarning.mjWARN_BADQVEL,
+    mujoco.mjtWarning.mjWARN_BADQACC,
+)
 
 
-class TrialFailure(RuntimeError):
+class TrialError(RuntimeError):
     """A trial cannot go on; the message says why in one line."""
 
 
@@ -46,7 +50,7 @@ def run_trial(trial: Trial, scans: str = "none") -> TrialResult:
     outcome, reason = "done", ""
     try:
         run(herd, log, last=round(trial.duration_s / trial.timestep_s))
-    except (LawError, TrialFailure) as error:
+    except (LawError, TrialError) as error:
         outcome, reason = "failed", f"{error} at {herd.world.data.time:.2f} s"
     finished = perf_counter()
     result = log.result(
@@ -75,7 +79,7 @@ def run(herd: Herd, log: Log, last: int) -> None:
         if tick > world.tick:
             world.advance(to=tick)
         if what == ACT and command is not None:
-            robots[k].apply(command)                                        # 5 physical motion
+            robots[k].apply(command)  # 5 physical motion
             continue
         if tick != poses_tick:
             poses_tick, poses_w = tick, world.fleet.poses(data)
@@ -86,11 +90,11 @@ def run(herd: Herd, log: Log, last: int) -> None:
             continue
         robot = robots[k]
         keep = log.wants_scan(k, data.time)
-        senses, truth = robot.sense(data, data.time, herd.world_truth(k, poses_w), record=keep)   # 1
-        detection = robot.detect(senses)                                                       # 2
-        sets = robot.select(detection.members)                                                 # 3
-        motion = robot.decide(detection, sets)                                                 # 4
-        command = robot.drive(motion)                                                          # 5, after the latency
+        senses, truth = robot.sense(data, data.time, herd.world_truth(k, poses_w), record=keep)  # 1
+        detection = robot.detect(senses)  # 2
+        sets = robot.select(detection.members)  # 3
+        motion = robot.decide(detection, sets)  # 4
+        command = robot.drive(motion)  # 5, after the latency
         heapq.heappush(events, (tick + robot.latency, ACT, k, command))
         heapq.heappush(events, (tick + robot.period, SENSE, k, None))
         log.update(data.time, k, poses_w[k], detection, judge(detection, truth, k, len(robots)), motion, command)
@@ -99,11 +103,11 @@ def run(herd: Herd, log: Log, last: int) -> None:
 
 
 def _check(herd: Herd, poses_w: Floats) -> None:
-    """Raises `TrialFailure` if physics diverged or a robot came to the end of its world."""
+    """Raises `TrialError` if physics diverged or a robot came to the end of its world."""
     if not np.isfinite(poses_w).all() or any(herd.world.data.warning[w].number for w in DIVERGED):
-        raise TrialFailure("physics diverged")
+        raise TrialError("physics diverged")
     if np.abs(poses_w[:, 0]).max() > herd.world.free_length:
-        raise TrialFailure(f"a robot reached the end of {herd.trial.world!r}")
+        raise TrialError(f"a robot reached the end of {herd.trial.world!r}")
 
 
-__all__ = ["TrialFailure", "WorldTruth", "run", "run_trial"]
+__all__ = ["TrialError", "WorldTruth", "run", "run_trial"]

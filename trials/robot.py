@@ -113,7 +113,9 @@ class Robot:
         kind, x, y, rule = row.tolist()
         finite = kind in MOTIONS_WITHOUT_NUMBERS or abs(x) + abs(y) < np.inf
         if not (finite and 0 <= kind < len(Kind) and 0 <= rule < len(self.law.rules)):
-            raise LawError(f"law {self.law.name!r} returned kind {kind:g}, x {x:g}, y {y:g}, rule {rule:g} for {self.name}")
+            raise LawError(
+                f"law {self.law.name!r} returned kind {kind:g}, x {x:g}, y {y:g}, rule {rule:g} for {self.name}"
+            )
         return Motion(int(kind), x, y, int(rule))
 
     def drive(self, motion: Motion) -> tuple[float, float]:

@@ -112,9 +112,7 @@ def specification(
     )
     add_walls(spec, walls)
     for body, name, (x, y, heading) in zip(bodies, names, poses_w, strict=True):
-        frame = spec.worldbody.add_frame(
-            pos=[x, y, 0.0], quat=[math.cos(heading / 2), 0.0, 0.0, math.sin(heading / 2)]
-        )
+        frame = spec.worldbody.add_frame(pos=[x, y, 0.0], quat=[math.cos(heading / 2), 0.0, 0.0, math.sin(heading / 2)])
         spec.attach(found.load("robots", body, "body").spec(), prefix=prefix(name), frame=frame)
     return spec
 

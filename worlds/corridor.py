@@ -24,7 +24,8 @@ class Parameters(NamedTuple):
         float, Parameter("m", "so long that no trial of a minute reaches its end", low=2.0, high=10000.0)
     ] = 80.0
     reflectance: Annotated[
-        float, Parameter("", "white paint, diffuse; the walls' material was not published", low=0.01, high=1.0)
+        float,
+        Parameter("", "white paint, diffuse; the walls' material was not published", low=0.01, high=1.0),
     ] = 0.8
 
 

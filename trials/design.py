@@ -1,0 +1,156 @@
+"""From an experiment's file to its list of trials.
+
+An experiment's file holds
+
+- a docstring whose first line says what it is;
+- `REPEATS`: how many times each cell is run by default;
+- `CONDITIONS`: the dotted keys that it varies and their values: a full factorial design;
+- `base(repeat) -> Trial`: the trial of that repeat before the conditions are put in;
+- optionally `SOURCES`: its own words on where a key's value comes from;
+- optionally `claims(run)` and `figures(run, folder)`: what `herd report` sets beside the publication.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from types import ModuleType
+from typing import Any
+
+from flocking import found
+from flocking.errors import InputError
+from trials import keys
+from trials.types import Trial, Value
+
+PACKAGE = "trials.experiments"
+DEFAULT_SEED = 1
+MAX_TRIALS = 100_000
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What a run will do."""
+
+    experiment: str
+    title: str
+    trials: list[Trial]
+    parameters: list[keys.Row]
+    """Every parameter of the first trial."""
+    conditions: dict[str, list[Value]]
+    """The experiment's own factors and their values."""
+    sweep: dict[str, list[Value]]
+    """Factors that a sweep added: each combination of their values is an arm of its own."""
+    repeats: int
+    notes: list[str]
+    """What a user should know, one line each."""
+
+
+def experiment_names() -> list[str]:
+    """Names of all experiments."""
+    return sorted(found.modules(PACKAGE))
+
+
+def load(name: str) -> ModuleType:
+    """The module of an experiment; `InputError` with the nearest names if there is none."""
+    return found.load(PACKAGE, name, "experiment")
+
+
+def title(name: str) -> str:
+    """First line of an experiment's docstring."""
+    return (load(name).__doc__ or "").strip().splitlines()[0]
+
+
+def plan(
+    name: str,
+    *,
+    repeats: int | None = None,
+    seed: int = DEFAULT_SEED,
+    settings: Mapping[str, Any] | None = None,
+    sweep: Mapping[str, Sequence[Any]] | None = None,
+    law: str | None = None,
+    pipeline: str | None = None,
+    body: str | None = None,
+) -> Plan:
+    """The trials of an experiment.
+
+    `settings` puts keys to other values: on a key that the experiment varies, this value replaces all of its own.
+    `sweep` gives a key several values: on a key that the experiment varies they replace its own, on any other they
+    make one arm each. Trials are numbered from 1, repeat by repeat, so that more repeats keep the numbers.
+    Raises `InputError` for anything that does not exist or fit.
+    """
+    module = load(name)
+    repeats = module.REPEATS if repeats is None else repeats
+    if repeats < 1:
+        raise InputError(f"repeats = {repeats}: expected a whole number of at least 1")
+    if seed < 0:
+        raise InputError(f"seed = {seed}: expected a whole number of at least 0")
+    settings, sweep = dict(settings or {}), {key: list(values) for key, values in (sweep or {}).items()}
+    for key in settings:
+        if key in sweep:
+            raise InputError(f"{key} is both set and swept; expected one of the two")
+    conditions = {key: list(values) for key, values in module.CONDITIONS.items()}
+    notes: list[str] = []
+    swaps = {"pipeline": pipeline, "body": body}
+    base = module.base(1)
+    for field, value in swaps.items():
+        if value is not None:
+            for group in base.groups:
+                settings.setdefault(f"{group.name}.{field}", value)
+    if law is not None:
+        swapped, dropped = keys.with_law(base, law)
+        known = {row.key for row in keys.rows(swapped)}
+        gone = [key for key in conditions if ".law." in key and key not in known]
+        conditions = {key: values for key, values in conditions.items() if key not in gone and not key.endswith(".law")}
+        for key in sorted({*dropped, *gone}):
+            notes.append(f"law {law} has no parameter {key.rsplit('.', 1)[-1]}: {key} is left out")
+    for key, value in settings.items():
+        if key in conditions:
+            conditions[key] = [value]
+    for key in [key for key in sweep if key in conditions]:
+        conditions[key] = sweep.pop(key)
+    arms = [dict(zip(sweep, values, strict=True)) for values in itertools.product(*sweep.values())]
+    cells = [dict(zip(conditions, values, strict=True)) for values in itertools.product(*conditions.values())]
+    if repeats * len(arms) * len(cells) > MAX_TRIALS:
+        raise InputError(f"{repeats * len(arms) * len(cells)} trials: expected at most {MAX_TRIALS}")
+    trials = []
+    for repeat in range(1, repeats + 1):
+        for arm in arms:
+            for cell in cells:
+                trial = dataclasses.replace(module.base(repeat), index=len(trials) + 1, seed=seed, repeat=repeat)
+                if law is not None:
+                    trial, _ = keys.with_law(trial, law)
+                values = {**settings, **arm, **cell}
+                for key in sorted(values, key=_names_first):
+                    trial = keys.put(trial, key, values[key])
+                trials.append(dataclasses.replace(trial, experiment=name, conditions={**arm, **cell}))
+    trials = [_spelled(trial) for trial in trials]
+    return Plan(
+        experiment=name.replace("_", "-"),
+        title=title(name),
+        trials=trials,
+        parameters=keys.rows(trials[0], getattr(module, "SOURCES", {})),
+        conditions=conditions,
+        sweep=sweep,
+        repeats=repeats,
+        notes=notes,
+    )
+
+
+def cell_of(trial: Trial) -> str:
+    """The conditions of a trial in a few words, for a line of progress."""
+    return ", ".join(f"{key.rsplit('.', 1)[-1]} {value}" for key, value in trial.conditions.items())
+
+
+def _names_first(key: str) -> tuple[bool, bool, str]:
+    """Laws, pipelines and settings are put before their parameters."""
+    parts = key.split(".")
+    return len(parts) > 2, parts[0] == "world" and len(parts) == 2, key
+
+
+def _spelled(trial: Trial) -> Trial:
+    return dataclasses.replace(trial, experiment=trial.experiment.replace("_", "-"))
+
+
+__all__ = ["DEFAULT_SEED", "Plan", "cell_of", "experiment_names", "load", "plan", "title"]

@@ -1,0 +1,25 @@
+"""Supplement to the detection case study: perfect detection and three detections with ideal sensors.
+
+Decides what the 63 trials cannot: "with perfect sensing the behaviours of the three detections are equivalent". Not
+in the publication's 63 trials, and never pooled with them.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+
+from trials.experiments import detection_case_study
+from trials.types import Trial
+
+REPEATS = 21
+CONDITIONS = {
+    "herd.pipeline": ("perfect", "member-based", "member-extrapolated", "sensor-based"),
+    "herd.law.exclusion_m": (0.0, 0.35, 0.5, 1.0),
+}
+
+
+def base(repeat: int) -> Trial:
+    """The case study's trial with sensors that do not err."""
+    trial = detection_case_study.base(repeat)
+    groups = tuple(dataclasses.replace(group, sensors="ideal") for group in trial.groups)
+    return dataclasses.replace(trial, experiment="detection-ideal", groups=groups)

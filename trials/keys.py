@@ -1,0 +1,206 @@
+"""Dotted keys: every number and name of a trial can be set by one, as in `herd.law.repulsion_m`."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+from typing import Annotated, Any, NamedTuple
+
+from flocking import found, lawentry, selection
+from flocking.errors import InputError, unknown_name
+from flocking.parameters import Declared, Parameter, checked, declared, filled
+from robots import create
+from sensing import laser
+from trials.types import Group, Trial
+from worlds import formations
+
+
+class TrialFields(NamedTuple):
+    """What a trial has beside its groups."""
+
+    duration_s: Annotated[
+        float,
+        Parameter("s", "the issue's minimum: the trials' length was not published", low=0.1, high=86400.0),
+    ] = 60.0
+    timestep_s: Annotated[
+        float, Parameter("s", "of physics: chosen by `herd bench`'s evidence", low=0.001, high=0.02)
+    ] = 0.01
+    world: Annotated[str, Parameter("", "Fine 2015, section 2.3.1: an obstacle-free corridor", published=True)] = (
+        "corridor"
+    )
+    formation: Annotated[str, Parameter("", "Fine 2015, figure 2.5, drawn without numbers")] = "single-group"
+
+
+class GroupFields(NamedTuple):
+    """What a group of robots has beside the parameters of its law, pipeline and sensors."""
+
+    count: Annotated[int, Parameter("robots", "Fine 2015, section 2.3.1", published=True, low=1, high=1000)] = 6
+    body: Annotated[str, Parameter("", "Fine 2015, section 2.3", published=True)] = "create"
+    sensors: Annotated[str, Parameter("", "noise of the laser's data sheet", choices=tuple(laser.SETTINGS))] = (
+        "datasheet"
+    )
+    pipeline: Annotated[str, Parameter("", "Fine 2015, section 2.2", published=True)] = "member-based"
+    selection: Annotated[str, Parameter("", "Fine 2015, table 3.1")] = "all"
+    law: Annotated[str, Parameter("", "Fine 2015, algorithm 2", published=True)] = "extended-hamilton"
+    speed_m_s: Annotated[
+        float,
+        Parameter("m/s", "not published: half of the Create's top speed", low=0.001, high=create.MAX_SPEED),
+    ] = 0.25
+    rate_hz: Annotated[
+        float, Parameter("Hz", "not published: the laser's scan rate (data sheet)", low=0.1, high=100.0)
+    ] = 10.0
+    phase: Annotated[
+        str,
+        Parameter(
+            "",
+            "Fine 2015, section 9.1.1: asynchronous members",
+            published=True,
+            choices=("random", "together"),
+        ),
+    ] = "random"
+    latency_s: Annotated[
+        float, Parameter("s", "not published: half a scan from sensing to acting", low=0.0, high=10.0)
+    ] = 0.05
+
+
+class Row(NamedTuple):
+    """One line of `herd show`."""
+
+    key: str
+    value: Any
+    unit: str
+    source: str
+    published: bool
+
+
+def put(trial: Trial, key: str, value: Any) -> Trial:
+    """`trial` with one key set; the value is checked. Raises `InputError` naming the nearest keys."""
+    fields = declared(TrialFields)
+    if key in fields:
+        return dataclasses.replace(trial, **{key: _named(key, checked(key, value, fields[key]))})
+    parts = key.split(".")
+    if parts[0] == "world" and len(parts) == 2:
+        module = found.load("worlds", trial.world, "world")
+        given = _added(trial.world_parameters, key, parts[1], value, declared(module.Parameters), trial)
+        return dataclasses.replace(trial, world_parameters=given)
+    for number, group in enumerate(trial.groups):
+        if parts[0] == group.name and 2 <= len(parts) <= 3:
+            changed = _put_group(trial, group, key, parts[1:], value)
+            return dataclasses.replace(trial, groups=(*trial.groups[:number], changed, *trial.groups[number + 1 :]))
+    raise unknown_name("parameter", key, [row.key for row in rows(trial)])
+
+
+def rows(trial: Trial, sources: Mapping[str, Parameter] | None = None) -> list[Row]:
+    """Every key of a trial with value, unit and source; `sources` are the experiment's own words for some."""
+    found_rows = _rows_of(TrialFields, "", vars(trial))
+    module = found.load("worlds", trial.world, "world")
+    found_rows += _rows_of(module.Parameters, "world.", trial.world_parameters)
+    for group in trial.groups:
+        name = f"{group.name}."
+        found_rows += _rows_of(GroupFields, name, vars(group))
+        law = _law_module(group)
+        found_rows += _rows_of(law.Parameters, f"{name}law.", group.law_parameters)
+        pipeline = found.load("sensing.pipelines", group.pipeline, "pipeline")
+        found_rows += _rows_of(pipeline.Parameters, f"{name}pipeline.", group.pipeline_parameters)
+        setting = laser.SETTINGS[group.sensors]._asdict()
+        found_rows += _rows_of(laser.Parameters, f"{name}sensors.", {**setting, **group.sensor_parameters})
+    return [_told(row, (sources or {}).get(row.key)) for row in found_rows]
+
+
+def with_law(trial: Trial, law: str) -> tuple[Trial, list[str]]:
+    """`trial` with every group's law swapped; parameters that the new law lacks are left out and named."""
+    source = lawentry.read_source(law) if lawentry.is_path(law) else ""
+    known = declared(lawentry.load(law, source).module.Parameters)
+    groups, dropped = [], []
+    for group in trial.groups:
+        kept = {name: value for name, value in group.law_parameters.items() if name in known}
+        dropped += [f"{group.name}.law.{name}" for name in group.law_parameters if name not in known]
+        groups.append(dataclasses.replace(group, law=law, law_source=source, law_parameters=kept))
+    return dataclasses.replace(trial, groups=tuple(groups)), dropped
+
+
+def _put_group(trial: Trial, group: Group, key: str, parts: list[str], value: Any) -> Group:
+    fields = declared(GroupFields)
+    if len(parts) == 1 and parts[0] in fields:
+        value = checked(key, value, fields[parts[0]])
+        if parts[0] == "law" and lawentry.is_path(str(value)):
+            return dataclasses.replace(group, law=value, law_source=lawentry.read_source(value), law_parameters={})
+        changed = dataclasses.replace(group, **{parts[0]: _named(key, value)})
+        if parts[0] == "law":
+            return dataclasses.replace(changed, law_source="", law_parameters={})
+        return dataclasses.replace(changed, pipeline_parameters={}) if parts[0] == "pipeline" else changed
+    if len(parts) == 2:
+        places = {
+            "law": ("law_parameters", lambda: _law_module(group).Parameters),
+            "pipeline": (
+                "pipeline_parameters",
+                lambda: found.load("sensing.pipelines", group.pipeline, "pipeline").Parameters,
+            ),
+            "sensors": ("sensor_parameters", lambda: laser.Parameters),
+        }
+        if parts[0] in places:
+            field, parameters = places[parts[0]]
+            given = _added(getattr(group, field), key, parts[1], value, declared(parameters()), trial)
+            return dataclasses.replace(group, **{field: given})
+    raise unknown_name("parameter", key, [row.key for row in rows(trial)])
+
+
+def _added(
+    given: Mapping[str, Any], key: str, name: str, value: Any, known: Mapping[str, Declared], trial: Trial
+) -> dict[str, Any]:
+    if name not in known:
+        raise unknown_name("parameter", key, [row.key for row in rows(trial)])
+    return {**given, name: checked(key, value, known[name])}
+
+
+def _named(key: str, value: Any) -> Any:
+    """Checks names that mean a file or a function, and gives them their usual spelling."""
+    last = key.rsplit(".", 1)[-1]
+    packages = {"world": "worlds", "pipeline": "sensing.pipelines", "law": "flocking.laws", "body": "robots"}
+    if last == "formation" and value not in formations.FORMATIONS:
+        raise unknown_name("formation", value, formations.FORMATIONS)
+    if last == "selection":
+        selection.parse(value)
+    if last in packages:
+        choose(packages[last], value, last)
+        return value.replace("_", "-")
+    return value
+
+
+def choose(package: str, name: str, kind: str) -> None:
+    """Refuses a name that is no law, pipeline, body or world, though a module of that name may exist."""
+    wanted = name.replace("_", "-")
+    if wanted not in valid(package):
+        raise unknown_name(kind, name, valid(package))
+
+
+def valid(package: str) -> list[str]:
+    """Names of a package's modules that are what the package is for (a body has `spec`, a world `walls`)."""
+    marks = {"robots": "spec", "worlds": "walls"}
+    found_names = sorted(found.modules(package))
+    if package not in marks:
+        return found_names
+    return [n for n in found_names if callable(getattr(found.load(package, n, package), marks[package], None))]
+
+
+def _law_module(group: Group) -> Any:
+    return lawentry.module_of(group.law, group.law_source)
+
+
+def _rows_of(parameters: type, prefix: str, given: Mapping[str, Any]) -> list[Row]:
+    return [
+        Row(f"{prefix}{d.name}", given.get(d.name, d.default), d.about.unit, d.about.source, d.about.published)
+        for d in declared(parameters).values()
+    ]
+
+
+def _told(row: Row, about: Parameter | None) -> Row:
+    return row if about is None else row._replace(source=about.source, published=about.published)
+
+
+def check(trial: Trial) -> None:
+    """Refuses a trial whose parameters do not fit, before anything is built."""
+    for group in trial.groups:
+        filled(_law_module(group).Parameters, group.law_parameters, prefix=f"{group.name}.law.")
+    if not trial.groups:
+        raise InputError("the trial has no groups of robots")
