@@ -1,0 +1,161 @@
+"""Members recognised by their shape: what the member-based and the member-extrapolated pipeline share.
+
+Fine 2015, section 2.3.1: the scan is split into segments by the distance between consecutive readings, each
+is time-warped to an equal number of readings and compared with the database of members. The readings of an
+accepted segment are the foreground; every other segment is background, and its nearest point an obstacle.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, NamedTuple
+
+import mujoco
+import numpy as np
+
+from flocking.compilation import compiled
+from flocking.parameters import Parameter
+from flocking.types import ANONYMOUS, Floats, Ints, Members, Obstacles
+from sensing.segments import beam_directions, laser_mount, shape_of, split
+from sensing.templates import make_templates
+from sensing.types import NOBODY, Detection
+from sensing.warping import nearest_shape, warp_rows
+
+SAMPLES = 16
+"""Readings to which each segment is resampled; choice (not published)."""
+BAND = 3
+"""Samples by which the warping may run ahead; choice (not published)."""
+
+
+class Parameters(NamedTuple):
+    """What decides which segments are members; not published, so chosen on data of our own."""
+
+    split_m: Annotated[
+        float, Parameter("m", "python -m scripts.calibrate_detection; Fine 2015, section 2.3.1", low=0.0)
+    ] = 0.3
+    """Consecutive readings further apart than this belong to different segments."""
+    threshold_m: Annotated[
+        float, Parameter("m", "python -m scripts.calibrate_detection; Fine 2015, section 2.3.1", low=0.0)
+    ] = 0.04
+    """A segment is a member if its warping cost is at most this."""
+
+
+class Recogniser(NamedTuple):
+    """The parameters, the database and scratch space; the compiled code sees the arrays only."""
+
+    split_m: float
+    threshold_m: float
+    mount_x: float
+    mount_y: float
+    directions: Floats
+    """(B, 2) of the beams."""
+    templates: Floats
+    """(K, S, 2) m."""
+    points: Floats
+    """(B, 2) scratch."""
+    readings: Ints
+    """(B,) scratch."""
+    starts: Ints
+    """(B + 1,) scratch."""
+    kept: Ints
+    """(B + 1,) scratch."""
+    shape: Floats
+    """(S, 2) scratch."""
+    rows: Floats
+    """Scratch of the warping."""
+
+
+def recogniser(
+    parameters: Parameters, member_model: mujoco.MjModel, member_height_m: float, angles: Floats
+) -> Recogniser:
+    """A recogniser for scans with these beams `angles` (B,) rad and members like the robot in
+    `member_model`."""
+    beams = len(angles)
+    mount_x, mount_y, yaw = laser_mount(member_model)
+    step_rad = float(np.median(np.diff(angles))) if beams > 1 else 1.0
+    return Recogniser(
+        float(parameters.split_m),
+        float(parameters.threshold_m),
+        mount_x,
+        mount_y,
+        beam_directions(angles, yaw),
+        make_templates(member_model, member_height_m, step_rad, SAMPLES, BAND),
+        np.zeros((beams, 2)),
+        np.zeros(beams, np.int64),
+        np.zeros(beams + 1, np.int64),
+        np.zeros(beams + 1, np.int64),
+        np.zeros((SAMPLES, 2)),
+        warp_rows(SAMPLES),
+    )
+
+
+def recognise(ranges: Floats, state: Recogniser, average: bool) -> Detection:
+    """The members in `ranges` (B,) m: one input each (`average`), or one for each of their readings."""
+    *members, obstacles, beams = _recognise(ranges, *state, average)
+    return Detection(Members(*members), Obstacles(obstacles), beams)
+
+
+@compiled
+def _recognise(
+    ranges: Floats,
+    split_m: float,
+    threshold_m: float,
+    mount_x: float,
+    mount_y: float,
+    directions: Floats,
+    templates: Floats,
+    points: Floats,
+    readings: Ints,
+    starts: Ints,
+    kept: Ints,
+    shape: Floats,
+    rows: Floats,
+    average: bool,
+) -> tuple[Floats, Floats, Floats, Floats, Ints, Floats, Ints]:
+    """The fields of `Members`, then of `Obstacles`, then the row of each beam; all newly made.
+
+    `kept` lists the segments that are members from its start, and those that are obstacles from its end.
+    """
+    segments, _ = split(ranges, directions, mount_x, mount_y, split_m, points, readings, starts)
+    members, foreground = 0, 0
+    for s in range(segments):
+        start, end = starts[s], starts[s + 1]
+        shape_of(points, readings, start, end, mount_x, mount_y, shape)
+        if nearest_shape(shape, templates, BAND, threshold_m, threshold_m, rows) <= threshold_m:
+            kept[members] = s
+            members += 1
+            foreground += end - start
+        else:
+            kept[len(kept) - 1 - (s - members)] = s
+
+    inputs = members if average else foreground
+    positions, bearings = np.zeros((inputs, 2)), np.empty(inputs)
+    headings, velocities = np.full(inputs, np.nan), np.full((inputs, 2), np.nan)
+    ids, beams = np.full(inputs, ANONYMOUS, np.int64), np.full(len(ranges), NOBODY, np.int64)
+    row = 0
+    for m in range(members):
+        start, end = starts[kept[m]], starts[kept[m] + 1]
+        for k in range(start, end):
+            beam = readings[k]
+            positions[row, 0] += points[beam, 0]
+            positions[row, 1] += points[beam, 1]
+            beams[beam] = row
+            if not average:
+                row += 1
+        if average:
+            positions[row, 0] /= end - start
+            positions[row, 1] /= end - start
+            row += 1
+    for row in range(inputs):
+        bearings[row] = math.atan2(positions[row, 1], positions[row, 0])
+
+    obstacles = np.empty((segments - members, 2))
+    for k in range(segments - members):
+        s = kept[len(kept) - 1 - k]
+        nearest = readings[starts[s]]
+        for i in range(starts[s], starts[s + 1]):
+            if ranges[readings[i]] < ranges[nearest]:
+                nearest = readings[i]
+        obstacles[k, 0] = points[nearest, 0]
+        obstacles[k, 1] = points[nearest, 1]
+    return positions, bearings, headings, velocities, ids, obstacles, beams

@@ -1,0 +1,95 @@
+"""What a pipeline missed and what it made up, against what really stood there. For measures only: no robot
+knows.
+
+A member is HIDDEN while no beam falls on it, DETECTED if at least one input is its own, else MISSED (a false
+negative). An input is owned by whoever made most of its beams; by nobody (a false positive) if most of them
+belong to nobody: to a wall, or to a reading between two surfaces. Beams likewise: `lit` fell on members,
+`missed` are those of them that made no input (those lost in the sensor, too), `made_up` made an input but
+belong to nobody.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flocking.compilation import compiled
+from flocking.types import Ints
+from sensing.types import NOBODY, Detection, ScanTruth
+
+HIDDEN = np.int8(0)
+DETECTED = np.int8(1)
+MISSED = np.int8(2)
+
+
+class Judgement(NamedTuple):
+    """One update's detection held against the truth; N robots, M inputs."""
+
+    owners: NDArray[np.int16]
+    """(M,) index of the robot each input belongs to; −1 = nobody."""
+    states: NDArray[np.int8]
+    """(N,) HIDDEN, DETECTED or MISSED; the focal member is HIDDEN."""
+    lit: int
+    missed: int
+    made_up: int
+
+
+def judge(detection: Detection, truth: ScanTruth | None, focal: int, robots: int) -> Judgement:
+    """Hold `detection` against `truth`; `focal` is the index of the robot that sensed, of `robots` in all.
+
+    Where the pipeline read no scan (`truth` None, or no beams in the detection), the owners are the members'
+    ids: it knows everybody in its view, so nobody is missed, and no beam counts.
+    """
+    ids = detection.members.ids
+    if truth is None or not len(detection.beams):
+        owners, states = _judge_ids(ids, focal, robots)
+        return Judgement(owners, states, 0, 0, 0)
+    return Judgement(*_judge(detection.beams, len(ids), truth.owners, truth.lit, focal))
+
+
+@compiled
+def _judge_ids(ids: Ints, focal: int, robots: int) -> tuple[NDArray[np.int16], NDArray[np.int8]]:
+    owners, states = np.empty(len(ids), np.int16), np.full(robots, HIDDEN)
+    for row in range(len(ids)):
+        owners[row] = ids[row]
+        if 0 <= ids[row] < robots and ids[row] != focal:
+            states[ids[row]] = DETECTED
+    return owners, states
+
+
+@compiled
+def _judge(
+    beams: Ints, inputs: int, beam_owners: Ints, lit: Ints, focal: int
+) -> tuple[NDArray[np.int16], NDArray[np.int8], int, int, int]:
+    robots = len(lit)
+    counts = np.zeros((inputs, robots + 1), np.int16)
+    most, owners = np.zeros(inputs, np.int16), np.full(inputs, NOBODY, np.int16)
+    found, made_up = 0, 0
+    for beam in range(len(beams)):
+        row = beams[beam]
+        if row < 0:
+            continue
+        owner = beam_owners[beam]
+        if owner < 0:
+            made_up += 1
+        else:
+            found += 1
+        counts[row, owner + 1] += 1
+        count = counts[row, owner + 1]
+        # Equal shares go to a member before nobody, then to the lower index: whatever the order of the beams.
+        preferred = owner >= 0 and (owners[row] < 0 or owner < owners[row])
+        if count > most[row] or (count == most[row] and preferred):
+            most[row] = count
+            owners[row] = owner
+    states = np.full(robots, HIDDEN)
+    all_lit = 0
+    for robot in range(robots):
+        if robot != focal and lit[robot] > 0:
+            states[robot] = MISSED
+            all_lit += lit[robot]
+    for row in range(inputs):
+        if owners[row] >= 0 and owners[row] != focal:
+            states[owners[row]] = DETECTED
+    return owners, states, all_lit, all_lit - found, made_up

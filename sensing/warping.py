@@ -1,0 +1,79 @@
+"""Dynamic time warping of two shapes (Berndt and Clifford 1994, the method that Fine 2015, section 2.3.1,
+names).
+
+The step pattern is the symmetric one of Sakoe and Chiba (1978, form P = 0): a step along one series costs the
+local distance, a diagonal step twice that, and the sum is divided by the sum of both lengths. So the cost is
+a mean distance in metres, the same in both directions, and does not prefer short paths.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from flocking.compilation import compiled
+from flocking.types import Floats
+
+
+def warp_rows(samples: int) -> Floats:
+    """The scratch space that `warp` needs for shapes of `samples` rows."""
+    return np.full((2, samples + 2), np.inf)
+
+
+@compiled
+def warp(a: Floats, b: Floats, band: int, ceiling: float, rows: Floats) -> float:
+    """Mean distance (m) of the best alignment of the shapes `a` and `b`, both (S, 2), m.
+
+    Samples further apart in time than `band` are never paired. Once it is sure that the cost exceeds
+    `ceiling`, the search is abandoned and inf returned; a cost below or at `ceiling` is exact. `rows` is
+    scratch space.
+    """
+    samples = len(a)
+    most = ceiling * 2.0 * samples
+    last = samples - 1
+    first_pair = math.sqrt((a[0, 0] - b[0, 0]) ** 2 + (a[0, 1] - b[0, 1]) ** 2)
+    last_pair = math.sqrt((a[last, 0] - b[last, 0]) ** 2 + (a[last, 1] - b[last, 1]) ** 2)
+    if last > 0 and 2.0 * first_pair + last_pair > most:
+        return math.inf
+    for i in range(samples):
+        now, before = i & 1, 1 - (i & 1)
+        low, high = max(0, i - band), min(last, i + band)
+        rows[now, low] = math.inf
+        rows[now, high + 2] = math.inf
+        least = math.inf
+        x, y = a[i, 0], a[i, 1]
+        left = math.inf
+        for j in range(low, high + 1):
+            distance = math.sqrt((x - b[j, 0]) ** 2 + (y - b[j, 1]) ** 2)
+            if i == 0 and j == 0:
+                cost = 2.0 * distance
+            elif i == 0:
+                cost = left + distance
+            else:
+                cost = min(min(left, rows[before, j + 1]) + distance, rows[before, j] + 2.0 * distance)
+            rows[now, j + 1] = cost
+            left = cost
+            least = min(least, cost)
+        if least > most:
+            return math.inf
+    cost = rows[last & 1, samples]
+    return cost / (2.0 * samples) if cost <= most else math.inf
+
+
+@compiled
+def nearest_shape(shape: Floats, templates: Floats, band: int, ceiling: float, enough: float, rows: Floats) -> float:
+    """Least warping cost (m) of `shape` (S, 2) among `templates` (K, S, 2); inf if none is at or below
+    `ceiling`.
+
+    Stops at the first template whose cost is at or below `enough`: to know whether a shape is accepted, no
+    more is needed.
+    """
+    best = math.inf
+    for k in range(len(templates)):
+        cost = warp(shape, templates[k], band, min(ceiling, best), rows)
+        if cost < best:
+            best = cost
+            if best <= enough:
+                break
+    return best
