@@ -1,11 +1,13 @@
 """The iRobot Create (first generation) with its payload, as a MuJoCo model.
 
-Grades of the constants: P a primary document says so; C read in published code; S a secondary page; D derived;
-? not found, a choice of ours. The frame's origin stands on the floor midway between the wheels, x forward, z up.
+Grades of the constants: P a primary document says so; C read in published code; S a secondary page;
+D derived; ? not found, a choice of ours. The frame's origin stands on the floor midway between the
+wheels, x forward, z up.
 
-The outline meets walls and other robots through one sphere whose equator is the bumper's ring: against vertical
-walls and against other Creates it touches exactly where an upright cylinder would, at one point and at the bumper's
-height, at a fraction of the cost. It is invisible (alpha 0); what lasers and eyes see are plain cylinders and boxes.
+The outline meets walls and other robots through one sphere whose equator is the bumper's ring: against
+vertical walls and other Creates it touches exactly where an upright cylinder would, at one point, at the
+bumper's height, and at a fraction of the cost. It is invisible (alpha 0), as are the spheres on which
+the wheels roll; what lasers and eyes see are plain cylinders and boxes.
 """
 
 from __future__ import annotations
@@ -56,11 +58,12 @@ DARK = (0.1, 0.0)  # black plastic and rubber; ?
 # Drive --------------------------------------------------------------------------------------------
 MAX_SPEED = 0.5  # m/s of each wheel; P: Open Interface, drive command
 MAX_WHEEL_ACCELERATION = 0.9  # m/s² at the rim; C: Create 3 (none is published for the first generation)
-MAX_WHEEL_TORQUE = 0.5  # N m; ?: enough to break the tyre's grip at a wall
-WHEEL_SERVO_GAIN = 0.5  # N m s/rad; ?: follows a ramp within 2 mm/s and does not chatter when it saturates
-ROTOR_INERTIA = 1e-3  # kg m² at the wheel's axis; ?: a small motor behind a gear
-TYRE_FRICTION = 0.8  # rubber on a hard floor; ?
+MAX_WHEEL_TORQUE = 0.4  # N m; ?: a little more than the tyre's grip, so that wheels spin at a wall
+WHEEL_SERVO_GAIN = 0.1  # N m s/rad; ?: follows within about 25 ms (0.02 m/s on a ramp)
+ROTOR_INERTIA = 2e-4  # kg m² at the wheel's axis, of motor and gear; ?
+TYRE_FRICTION = 0.6  # rubber on a smooth floor; ?
 BUMPER_FRICTION = 0.3  # plastic on paint; ?
+BUMPER_TRAVEL = 0.004  # m; ?: how far before the outline contact begins (see `BUMPER`)
 
 
 class Part(NamedTuple):
@@ -114,9 +117,13 @@ PARTS = (
     ),
 )
 
-# Contacts: stiffness as MuJoCo's time constant (twice the largest timestep) and impedance. With 0.99 a wheel sinks in
-# by less than 0.05 mm under its load, so it rolls less than 0.1 % short.
-STIFF = {"solref": (0.02, 1.0), "solimp": (0.99, 0.99, 0.001, 0.5, 2.0)}
+# Contacts (MuJoCo's solref: time constant, at least twice the time step, and damping; solimp: impedance). At 0.99 a
+# wheel sinks in by about 0.01 mm under its load and so rolls less than 0.1 % short. A slipping wheel hops by a
+# fraction of a millimetre: MuJoCo's convex friction couples sliding with lifting.
+ROLLING = {"solref": (0.02, 1.0), "solimp": (0.99, 0.99, 0.001, 0.5, 2.0)}
+# The bumper gives way: contact begins `BUMPER_TRAVEL` before the outline and grows stiff towards it, because at
+# 0.5 m/s a robot moves 5 mm in one step of 10 ms, and would stand that deep in a wall before any contact were found.
+BUMPER = {"solref": (0.02, 1.0), "solimp": (0.5, 0.95, 0.004, 0.5, 2.0), "margin": BUMPER_TRAVEL}
 
 XML = Path(__file__).with_name("create.xml")
 
@@ -124,8 +131,9 @@ XML = Path(__file__).with_name("create.xml")
 def spec() -> mujoco.MjSpec:
     """One Create on the plane z = 0 at the origin, facing +x: no floor, no light, no solver options.
 
-    Body `base` with the free joint `root`; bodies, joints and actuators `left` and `right` of the wheels (control:
-    wheel speed, rad/s); touch sensors `bumper_left`, `bumper_right` (N); site `laser`. To be attached to a world.
+    Body `base` with the free joint `root`; bodies, joints and actuators `left` and `right` of the wheels
+    (control: wheel speed, rad/s); touch sensors `bumper_left`, `bumper_right` (N); site `laser`. To be
+    attached to a world.
     """
     robot = mujoco.MjSpec()
     robot.modelname = "create"
@@ -137,7 +145,7 @@ def spec() -> mujoco.MjSpec:
     base.add_geom(
         name="hull", type=kind.mjGEOM_SPHERE, size=(RADIUS, 0, 0), pos=(0, 0, BUMPER_HEIGHT), mass=0.0,
         contype=HULL_MASK, conaffinity=HULL_MASK, condim=3, priority=1,
-        friction=(BUMPER_FRICTION, 0, 0), rgba=(0, 0, 0, 0), group=3, userdata=DARK, solref=(0.02, 1.0),
+        friction=(BUMPER_FRICTION, 0, 0), rgba=(0, 0, 0, 0), group=3, userdata=DARK, **BUMPER,
     )  # fmt: skip
     gear = {
         "contype": 0,
@@ -149,7 +157,7 @@ def spec() -> mujoco.MjSpec:
         base.add_geom(
             name=name, type=kind.mjGEOM_SPHERE, size=(CASTER_RADIUS, 0, 0), pos=(x, 0, z + CASTER_RADIUS),
             mass=0.0,
-            condim=1, rgba=(0.2, 0.2, 0.2, 1), **gear, **STIFF,
+            condim=1, rgba=(0.2, 0.2, 0.2, 1), **gear, **ROLLING,
         )  # fmt: skip
     for name, side in (("left", 1.0), ("right", -1.0)):
         _add_wheel(robot, base, name, side * AXLE_TRACK / 2, gear)
@@ -177,7 +185,7 @@ def _add_wheel(robot: mujoco.MjSpec, base: mujoco.MjsBody, name: str, y: float, 
     )  # fmt: skip
     wheel.add_geom(
         name=f"{name}_tyre", type=mujoco.mjtGeom.mjGEOM_SPHERE, size=(WHEEL_RADIUS, 0, 0), mass=0.0, condim=3,
-        friction=(TYRE_FRICTION, 0, 0), rgba=(0, 0, 0, 0), group=3, **gear, **STIFF,
+        friction=(TYRE_FRICTION, 0, 0), rgba=(0, 0, 0, 0), group=3, **gear, **ROLLING,
     )  # fmt: skip
     servo = robot.add_actuator(name=name, target=name, trntype=mujoco.mjtTrn.mjTRN_JOINT)
     servo.set_to_velocity(kv=WHEEL_SERVO_GAIN)
@@ -189,16 +197,14 @@ BUMPER_OVERLAP = 0.035  # m either side of the middle where both bits are set; ?
 
 
 def _add_bumper(robot: mujoco.MjSpec, base: mujoco.MjsBody, name: str, side: float) -> None:
-    """Half of the front ring as a touch sensor: contacts before the axle, from the middle (and a little over)."""
+    """Half of the front ring as a touch sensor: from the middle (and a little over) to the axle."""
     reach = RADIUS + 0.02
     base.add_site(
         name=name, type=mujoco.mjtGeom.mjGEOM_BOX, group=4,
         size=(reach / 2, (reach + BUMPER_OVERLAP) / 2, 0.03),
         pos=(reach / 2, side * (reach - BUMPER_OVERLAP) / 2, BUMPER_HEIGHT),
     )  # fmt: skip
-    robot.add_sensor(
-        name=name, type=mujoco.mjtSensor.mjSENS_TOUCH, objtype=mujoco.mjtObj.mjOBJ_SITE, objname=name
-    )
+    robot.add_sensor(name=name, type=mujoco.mjtSensor.mjSENS_TOUCH, objtype=mujoco.mjtObj.mjOBJ_SITE, objname=name)
 
 
 def scene() -> mujoco.MjSpec:

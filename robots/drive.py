@@ -1,8 +1,8 @@
 """The Open Interface's drive command, and differential-drive kinematics beneath it.
 
-A drive command (opcode 137) is a mean wheel speed, −500 to 500 mm/s, and a radius to the robot's centre, −2000 to
-2000 mm (positive: to the left), both whole; radius 0x8000 is straight, ±1 turns in place (then the speed is that of
-each wheel). All that a Create is told goes through this, so that it can do no more than the real one.
+A drive command (opcode 137) is a mean wheel speed, −500 to 500 mm/s, and a radius to the robot's centre,
+−2000 to 2000 mm (positive: to the left), both whole; radius 0x8000 is straight, ±1 turns in place (then the
+speed is that of each wheel). All that a Create is told goes through this: it can do no more than the real one.
 """
 
 from __future__ import annotations
@@ -99,17 +99,13 @@ def encode(velocity_mm_s: int, radius_mm: int) -> bytes:
         Where a number is outside what the Open Interface takes.
     """
     if not -MAX_VELOCITY_MM_S <= velocity_mm_s <= MAX_VELOCITY_MM_S:
-        raise InputError(
-            f"drive velocity {velocity_mm_s} mm/s: expected −{MAX_VELOCITY_MM_S} to {MAX_VELOCITY_MM_S}"
-        )
+        raise InputError(f"drive velocity {velocity_mm_s} mm/s: expected −{MAX_VELOCITY_MM_S} to {MAX_VELOCITY_MM_S}")
     if not -MAX_RADIUS_MM <= radius_mm <= MAX_RADIUS_MM and radius_mm not in (
         STRAIGHT,
         0x8000,
         ALSO_STRAIGHT,
     ):
-        raise InputError(
-            f"drive radius {radius_mm} mm: expected −{MAX_RADIUS_MM} to {MAX_RADIUS_MM} or 0x8000"
-        )
+        raise InputError(f"drive radius {radius_mm} mm: expected −{MAX_RADIUS_MM} to {MAX_RADIUS_MM} or 0x8000")
     radius = radius_mm & 0xFFFF
     return bytes([DRIVE_OPCODE]) + (velocity_mm_s & 0xFFFF).to_bytes(2, "big") + radius.to_bytes(2, "big")
 

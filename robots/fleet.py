@@ -32,9 +32,7 @@ class Fleet:
     Around each step: `before_step(data)`, `mj_step`, `after_step(data)`.
     """
 
-    def __init__(
-        self, model: mujoco.MjModel, prefixes: Sequence[str], polling_s: float = odometry.POLLING
-    ) -> None:
+    def __init__(self, model: mujoco.MjModel, prefixes: Sequence[str], polling_s: float = odometry.POLLING) -> None:
         addresses = np.zeros((len(prefixes), 7), dtype=np.int64)
         bodies = np.zeros(len(prefixes), dtype=np.int64)
         for k, prefix in enumerate(prefixes):
@@ -147,9 +145,7 @@ def _ramped(state: Floats, addresses: Ints, ramp: float, ctrl: Floats) -> None:
 
 
 @compiled
-def _polled(
-    state: Floats, addresses: Ints, clock: Floats, time: float, qpos: Floats, sensordata: Floats
-) -> None:
+def _polled(state: Floats, addresses: Ints, clock: Floats, time: float, qpos: Floats, sensordata: Floats) -> None:
     period, timestep = clock[0], clock[2]
     due = clock[1]
     while (due + 1.0) * period <= time + 1e-9:

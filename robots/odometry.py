@@ -1,10 +1,10 @@
 """Dead reckoning as the Open Interface allows it: whole millimetres and whole degrees since the last request.
 
-The Create counts its wheels' encoders; each request (here every 15 ms, the machine's data period) returns distance
-and angle since the request before, truncated towards zero, and starts anew: the remainder is lost. So a rotation
-slower than 1 degree in 15 ms (67 degrees/s) reads as none at all, likewise a translation slower than 1 mm in 15 ms
-(67 mm/s), and everything faster reads short by up to one unit a request: 0.25 m/s reads as 0.2 m/s. A real driver
-sees the same if it polls as fast as it can. Slip is invisible: only the wheels are counted.
+The Create counts its wheels' encoders. Each request (here every 15 ms, the machine's data period) returns the
+distance and the angle since the request before, truncated towards zero, and starts anew: the remainder is
+lost. So a rotation slower than 1 degree in 15 ms (67 degrees/s) reads as none at all, and so does a
+translation slower than 1 mm in 15 ms (67 mm/s); all that is faster reads short by up to one unit a request:
+0.25 m/s reads as 0.2 m/s. Slip is invisible: only the wheels are counted.
 
 Open Interface: sensor packets 19 (distance) and 20 (angle).
 """
@@ -20,7 +20,7 @@ POLLING = 0.015
 """s between requests. P: the Open Interface's data period."""
 
 WHOLE = 1e-3
-"""mm or degrees: a count this close below a whole number is taken for it (rounding errors must not cost a unit)."""
+"""mm or degrees: a count this close below a whole number is taken for it (rounding must not cost a unit)."""
 
 
 @compiled

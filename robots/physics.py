@@ -11,7 +11,7 @@ GRAVITY = 9.81
 """m/s²."""
 
 FLOOR_MASK = 1
-"""Contact bit of the floor (its contype) and of wheels and casters (their conaffinity): they meet only one another."""
+"""Contact bit of the floor (its contype) and of wheels and casters (their conaffinity)."""
 HULL_MASK = 2
 """Contact bit of hulls and walls, in both fields: they meet one another, not the floor."""
 
@@ -19,9 +19,8 @@ HULL_MASK = 2
 def apply_options(spec: mujoco.MjSpec, timestep_s: float = TIMESTEP) -> None:
     """Set the solver's options of a world in which robots drive.
 
-    Newton's solver with a pyramidal cone and the implicit integrator (fast variant): the wheels' servos are stiff
-    and must be integrated implicitly. Mid-phase and multi-contact convex collision are of no use to spheres,
-    planes and boxes.
+    Newton's solver with a pyramidal cone, and the implicit integrator (fast variant), because the wheels'
+    servos are stiff. Mid-phase and multi-contact convex collision are of no use to spheres, planes and boxes.
     """
     spec.nuser_geom = 2  # reflectance: diffuse, retroreflective
     option = spec.option
