@@ -60,9 +60,7 @@ def unpack(data: bytes) -> TrialResult:
             if head["format"] != FORMAT:
                 raise InputError(f"series of format {head['format']}: this version reads format {FORMAT}")
             arrays: dict[str, Any] = {
-                name.removesuffix(".npy"): np.lib.format.read_array(
-                    io.BytesIO(archive.read(name)), allow_pickle=False
-                )
+                name.removesuffix(".npy"): np.lib.format.read_array(io.BytesIO(archive.read(name)), allow_pickle=False)
                 for name in archive.namelist()
                 if name.endswith(".npy")
             }

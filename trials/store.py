@@ -89,9 +89,7 @@ class Store:
                 "SELECT idx, status, reason, seed, repeat, conditions, measures FROM trials ORDER BY idx"
             ).fetchall()
             return [
-                Row(
-                    index, status, reason, seed, repeat, json.loads(conditions), numbers(json.loads(measures))
-                )
+                Row(index, status, reason, seed, repeat, json.loads(conditions), numbers(json.loads(measures)))
                 for index, status, reason, seed, repeat, conditions, measures in rows
             ]
 
@@ -120,18 +118,11 @@ class Store:
         path = self.folder / RECORDINGS / f"{index:04d}.rrd"
         return path if path.is_file() else None
 
-    def add(
-        self,
-        trial: Trial,
-        row: Row,
-        series: bytes | None,
-        recording: bytes | None,
-        timing: Mapping[str, float],
-    ) -> None:
+    def add(self, row: Row, series: bytes | None, recording: bytes | None, timing: Mapping[str, float]) -> None:
         """Keeps a finished trial. Raises `StorageError` if the disk does not take it."""
         from trials.series import plain
 
-        name = f"{trial.index:04d}"
+        name = f"{row.index:04d}"
         if series is not None:
             write_whole(self.folder / SERIES / f"{name}.npz", series)
         if recording is not None:
@@ -151,9 +142,7 @@ class Store:
                     json.dumps(plain(row.measures)),
                 ),
             )
-            self.connection.execute(
-                "INSERT INTO timing VALUES (?, ?, ?)", (row.index, seconds, json.dumps(parts))
-            )
+            self.connection.execute("INSERT INTO timing VALUES (?, ?, ?)", (row.index, seconds, json.dumps(parts)))
 
     def close(self) -> None:
         """Closes the tables."""
@@ -170,7 +159,7 @@ def create(folder: Path, run: Mapping[str, Any], code: Mapping[str, str]) -> Sto
     taken = [name for name in (RUN, RESULTS, SERIES, RECORDINGS, CODE) if (folder / name).exists()]
     if taken:
         raise InputError(
-            f"{folder} already holds a run ({taken[0]}): name another folder, or finish it: herd resume {folder}"
+            f"{folder} holds a run ({taken[0]}): name another folder, or finish it with herd resume {folder}"
         )
     try:
         return _create(folder, run, code)
@@ -208,17 +197,13 @@ def opened(folder: Path) -> Store:
         try:
             version = connection.execute("PRAGMA user_version").fetchone()[0]
             if version > FORMAT:
-                raise InputError(
-                    f"{path} has format {version}, of a newer version: this version reads {FORMAT}"
-                )
+                raise InputError(f"{path} has format {version}, of a newer version: this version reads {FORMAT}")
             if version < FORMAT:
                 raise InputError(f"{path} is not the results of a run")
             found = connection.execute("PRAGMA quick_check(1)").fetchone()[0]
             if found != "ok":
                 raise InputError(f"{path} is damaged ({' '.join(found.split())}); nothing was changed")
-            connection.execute(
-                "SELECT idx, status, reason, seed, repeat, conditions, measures FROM trials LIMIT 1"
-            )
+            connection.execute("SELECT idx, status, reason, seed, repeat, conditions, measures FROM trials LIMIT 1")
         except BaseException:
             connection.close()
             raise
@@ -302,16 +287,12 @@ def _read_run(folder: Path) -> dict[str, Any]:
     except InputError:
         raise
     except (ValueError, TypeError, KeyError, AttributeError) as error:
-        raise InputError(
-            f"{path} is damaged ({type(error).__name__}: {error}); nothing was changed"
-        ) from error
+        raise InputError(f"{path} is damaged ({type(error).__name__}: {error}); nothing was changed") from error
 
 
 def _run_text(run: Mapping[str, Any]) -> str:
     """run.json: indented, but a line a trial."""
-    head = json.dumps(
-        {name: value for name, value in run.items() if name != "trials"}, indent=2, ensure_ascii=False
-    )
+    head = json.dumps({name: value for name, value in run.items() if name != "trials"}, indent=2, ensure_ascii=False)
     trials = ",\n".join(f"    {json.dumps(trial, ensure_ascii=False)}" for trial in run["trials"])
     return f'{head[:-2]},\n  "trials": [\n{trials}\n  ]\n}}\n'
 
