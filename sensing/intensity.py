@@ -13,7 +13,7 @@ from flocking.compilation import compiled
 
 NEAREST_M = 0.02
 """P: nearest distance that the laser measures (data sheet); nearer surfaces return no more than at this one."""
-HALVING_SINE_SQUARED = math.sin(math.radians(40.0)) ** 2
+FALL = math.log(2.0) / math.sin(math.radians(40.0)) ** 2
 """S: retroreflective sheeting loses about half of its brightness at 40 degrees of incidence."""
 
 
@@ -29,5 +29,5 @@ def returned(diffuse: float, retro: float, cosine: float, distance_m: float) -> 
     distance = max(distance_m, NEAREST_M)
     brightness = diffuse * cosine
     if retro > 0.0:
-        brightness += retro * 2.0 ** (-(1.0 - cosine * cosine) / HALVING_SINE_SQUARED)
+        brightness += retro * math.exp(-FALL * (1.0 - cosine * cosine))
     return brightness / (distance * distance)

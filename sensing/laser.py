@@ -17,18 +17,17 @@ import mujoco
 import numpy as np
 from scipy.special import ndtri
 
-from flocking.compilation import compiled
 from flocking.errors import InputError, unknown_name
 from flocking.parameters import Parameter
 from flocking.types import Floats, Ints
-from sensing import planar, readings, sweep
+from sensing import planar, readings, scan, sweep
 from sensing.intensity import NEAREST_M
 from sensing.slice import Slice, body_name, moving_body, owner_of, reference_pose, slice_at
 from sensing.types import Scan, ScanTruth
 
 BEAMS = planar.BEAMS
 STEP_RAD = planar.STEP_RAD
-ANGLES: Floats = (np.arange(BEAMS) + planar.FIRST_STEP) * STEP_RAD
+ANGLES: Floats = STEP_RAD * (planar.FIRST_STEP + np.arange(BEAMS, dtype=np.float64))
 """(682,) bearing of each beam in the laser's frame, rad: −119.53 to +119.88 degrees, counter-clockwise."""
 MIN_RANGE_M = NEAREST_M
 MAX_RANGE_M = readings.FARTHEST_M
@@ -67,9 +66,7 @@ class Parameters(NamedTuple):
     """Width of a beam, which decides the mixed readings at edges; 0 = none."""
     dropout: Annotated[float, Parameter("", "a choice: one reading in a thousand", low=0.0, high=1.0)] = 0.001
     """Share of readings lost, whatever is hit: they read nan."""
-    intensity_noise: Annotated[
-        float, Parameter("", "a choice: a tenth of the intensity", low=0.0, high=1.0)
-    ] = 0.10
+    intensity_noise: Annotated[float, Parameter("", "a choice: a tenth of the intensity", low=0.0, high=1.0)] = 0.10
     """Standard deviation of an intensity, relative to it."""
     intensity_mode: Annotated[
         str,
@@ -78,18 +75,16 @@ class Parameters(NamedTuple):
     """`ideal`: every beam has range and intensity. `half-resolution`: where intensity is read, ranges come from
     the even beams and intensities from their left neighbours, odd beams are nan. `strong-code`: a strong return
     gives code 18 in place of a range, whether intensity is read or not."""
-    strong_return: Annotated[
-        float, Parameter("white at 1 m", "a choice: white paper at 0.18 m", low=0.0, high=1e9)
-    ] = 30.0
+    strong_return: Annotated[float, Parameter("white at 1 m", "a choice: white paper at 0.18 m", low=0.0, high=1e9)] = (
+        30.0
+    )
     """Least intensity that gives code 18."""
     sweep: Annotated[bool, Parameter("", f"{_SHEET}: one turn in 100 ms")] = False
     """True: each beam at its own instant, the last at the scan's time; false: all at the scan's time."""
 
 
 SETTINGS: dict[str, Parameters] = {
-    "ideal": Parameters(
-        range_noise_m=0.0, resolution_mm=0.0, footprint_rad=0.0, dropout=0.0, intensity_noise=0.0
-    ),
+    "ideal": Parameters(range_noise_m=0.0, resolution_mm=0.0, footprint_rad=0.0, dropout=0.0, intensity_noise=0.0),
     "datasheet": Parameters(),
     # the sheet's figures taken as one standard deviation; the other two are choices
     "harsh": Parameters(range_noise_m=0.030, dropout=0.01, intensity_noise=0.30),
@@ -157,9 +152,7 @@ class Lasers:
         """True where some laser sweeps: then `remember` must be called after every physics step."""
         rows = [list(self.slice.bodies).index(body) if body else -1 for body in bodies]
         self._mount_frames = rows
-        self._mounts = [
-            _mount_row(_planar_in(data, site, body)) for site, body in zip(ids, bodies, strict=True)
-        ]
+        self._mounts = [_mount_row(_planar_in(data, site, body)) for site, body in zip(ids, bodies, strict=True)]
         self._settings = [_compiled_settings(p) for p in self.parameters]
         self._beams = planar.beam_directions()
         frames = len(self.slice.bodies)
@@ -171,9 +164,9 @@ class Lasers:
         self._lasers = np.zeros((1, 4))
         self._sweep_poses = np.zeros((BEAMS if self.needs_history else 0, frames, 4))
         self._sweep_lasers = np.zeros((len(self._sweep_poses), 4))
-        steps = int(math.ceil(sweep.SWEEP_S / model.opt.timestep)) + 2
+        steps = math.ceil(sweep.SWEEP_S / model.opt.timestep) + 2
         self._history: deque[tuple[float, Floats]] = deque(maxlen=steps)
-        self._scratch = _Scratch(
+        self._scratch = scan.Scratch(
             np.empty(BEAMS),
             np.empty(BEAMS, np.int64),
             np.empty(BEAMS, np.int64),
@@ -194,12 +187,13 @@ class Lasers:
     def trace(self, data: mujoco.MjData, k: int) -> tuple[Floats, Ints]:
         """The cast alone: 1/distance (B,) along laser k's beams now, 1/m, and the number (B,) of the surface hit,
         −1 = none. Both arrays are written over by the next scan."""
-        self._place(data)
-        nearness, surfaces = self._scratch.nearness, self._scratch.surfaces
-        _cast(
-            k, MAX_RANGE_M, self._mount_frames[k], self._mounts[k], self._poses, self._lasers, *self._shapes(),
-            self._beams, nearness, surfaces,
+        parts, nearness, surfaces = self.slice, self._scratch.nearness, self._scratch.surfaces
+        fallen = scan.cast_now(
+            k, self._source(data), self._addresses, parts.levels_m, parts.height_m, self._mount_frames[k],
+            self._mounts[k], self._poses, self._lasers, *self._shapes(), self._beams, nearness, surfaces,
         )  # fmt: skip
+        if fallen != planar.LEVEL:
+            raise self._fallen(fallen)
         return nearness, surfaces
 
     def cast(self, data: mujoco.MjData, k: int) -> tuple[Floats, Ints]:
@@ -251,7 +245,7 @@ class Lasers:
         else:
             poses, lasers, addresses = self._poses, self._lasers, self._addresses
             source = self._source(data)
-        fallen = _scan(
+        fallen = scan.scan(
             settings, k, shines, source, addresses, parts.levels_m, parts.height_m, self._mount_frames[k],
             self._mounts[k], poses, lasers, *self._shapes(), parts.materials, self._beams, self._scratch, NORMALS,
             draws, light_draws, ranges, intensities, distances, owners, lit,
@@ -260,8 +254,8 @@ class Lasers:
             raise self._fallen(fallen)
         if intensity_rng is None:
             intensities.fill(math.nan)
-        scan = Scan(time, ANGLES, ranges, intensities)
-        return scan, ScanTruth(owners, distances, lit) if keep_truth else _NO_TRUTH
+        reading = Scan(time, ANGLES, ranges, intensities)
+        return reading, ScanTruth(owners, distances, lit) if keep_truth else _NO_TRUTH
 
     def _shapes(self) -> tuple[Floats, int, Ints, Ints]:
         return self.slice.shapes, self.slice.rectangles, self.slice.frames, self.slice.owners
@@ -275,9 +269,7 @@ class Lasers:
 
     def _place(self, data: mujoco.MjData) -> None:
         parts = self.slice
-        fallen = planar.place(
-            self._source(data), self._addresses, parts.levels_m, parts.height_m, self._poses[0]
-        )
+        fallen = planar.place(self._source(data), self._addresses, parts.levels_m, parts.height_m, self._poses[0])
         if fallen != planar.LEVEL:
             raise self._fallen(fallen)
 
@@ -287,16 +279,6 @@ class Lasers:
             f"{math.degrees(planar.TILT_BOUND_RAD):g} degrees or stands more than {planar.LIFT_BOUND_M:g} m off its "
             "reference height: expected level motion on the floor, or use the rays of sensing.reference"
         )
-
-
-class _Scratch(NamedTuple):
-    """Arrays that every scan writes over."""
-
-    nearness: Floats
-    surfaces: Ints
-    partners: Ints
-    shares: Floats
-    returns: Floats
 
 
 _NOTHING = np.empty(0)
@@ -332,93 +314,3 @@ def _compiled_settings(parameters: Parameters) -> readings.Settings:
         mode=MODES.index(parameters.intensity_mode),
         strong_return=float(parameters.strong_return),
     )
-
-
-@compiled
-def _cast(
-    own: int,
-    max_range_m: float,
-    mount_frame: int,
-    mount: Floats,
-    poses: Floats,
-    lasers: Floats,
-    shapes: Floats,
-    rectangles: int,
-    frames: Ints,
-    owners: Ints,
-    beams: Floats,
-    nearness: Floats,
-    surfaces: Ints,
-) -> None:
-    """From poses (1, F, 4), or (B, F, 4) for a sweep, to the nearest surface along each beam."""
-    if len(poses) > 1:
-        sweep.cast_sweep(
-            mount_frame, mount, own, max_range_m, poses, shapes, rectangles, frames, owners, beams, lasers,
-            nearness, surfaces,
-        )  # fmt: skip
-        return
-    laser = planar.laser_pose(poses[0], mount_frame, mount)
-    lasers[0, 0], lasers[0, 1], lasers[0, 2], lasers[0, 3] = laser
-    planar.cast(
-        laser, own, max_range_m, poses[0], shapes, rectangles, frames, owners, beams, nearness, surfaces
-    )
-
-
-@compiled
-def _scan(
-    settings: readings.Settings,
-    own: int,
-    shines: bool,
-    source: Floats,
-    addresses: Ints,
-    levels_m: Floats,
-    height_m: float,
-    mount_frame: int,
-    mount: Floats,
-    poses: Floats,
-    lasers: Floats,
-    shapes: Floats,
-    rectangles: int,
-    frames: Ints,
-    owners: Ints,
-    materials: Floats,
-    beams: Floats,
-    scratch: _Scratch,
-    normals: Floats,
-    draws: Ints,
-    light_draws: Ints,
-    ranges: Floats,
-    intensities: Floats,
-    distances: Floats,
-    reading_owners: Ints,
-    lit: Ints,
-) -> int:
-    """One scan: poses, cast, mixed readings, noise, intensity. Returns as `planar.place`."""
-    nearness, surfaces, partners, shares, returns = scratch
-    if len(poses) == 1:
-        fallen = planar.place(source, addresses, levels_m, height_m, poses[0])
-        if fallen != planar.LEVEL:
-            return fallen
-    _cast(
-        own, readings.FARTHEST_M, mount_frame, mount, poses, lasers, shapes, rectangles, frames, owners, beams,
-        nearness, surfaces,
-    )  # fmt: skip
-    for i in range(planar.BEAMS):
-        distances[i] = 1.0 / nearness[i] if surfaces[i] >= 0 else math.inf
-    if settings.half_footprint > 0.0:
-        readings.find_edges(
-            settings.half_footprint, distances, surfaces, lasers, poses, shapes, rectangles, frames, beams,
-            partners, shares,
-        )  # fmt: skip
-    else:
-        partners[:] = -1
-        shares[:] = 0.0
-    readings.report(
-        settings, distances, surfaces, owners, partners, shares, normals, draws, ranges, reading_owners, lit
-    )
-    if shines:
-        readings.light(
-            distances, surfaces, lasers, poses, shapes, rectangles, frames, materials, beams, returns
-        )
-        readings.report_light(settings, returns, partners, shares, normals, light_draws, ranges, intensities)
-    return planar.LEVEL

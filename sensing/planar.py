@@ -31,8 +31,8 @@ LIFT_BOUND_M = 0.03
 """A body that stands higher or lower than in the model's reference pose by more is an error."""
 LEVEL = -1
 """What `place` returns when all is well."""
-_SLACK = 1e-9
-"""Beams; keeps a beam that meets the end of a face exactly."""
+_SLACK_BEAMS = 1e-9
+"""Keeps a beam that meets the end of a face exactly."""
 
 
 def beam_directions() -> Floats:
@@ -97,9 +97,7 @@ def in_laser_frame(
 
 
 @compiled
-def face(
-    side: int, cx: float, cy: float, ux: float, uy: float, a: float, b: float
-) -> tuple[float, float, float, float]:
+def face(side: int, ux: float, uy: float, a: float, b: float) -> tuple[float, float, float, float]:
     """Outward normal of one side of a rectangle, its distance from the centre, and half its length."""
     if side == 0:
         return ux, uy, a, b
@@ -113,9 +111,22 @@ def face(
 @compiled
 def _interval(first: float, last: float, turn: int) -> tuple[int, int]:
     """Beams between two bearings (in beams from beam 0), `turn` turns on; empty if the second is below the first."""
-    low = math.ceil(first - turn * STEPS_A_TURN - _SLACK)
-    high = math.floor(last - turn * STEPS_A_TURN + _SLACK)
+    low = math.ceil(first - turn * STEPS_A_TURN - _SLACK_BEAMS)
+    high = math.floor(last - turn * STEPS_A_TURN + _SLACK_BEAMS)
     return max(low, 0), min(high, BEAMS - 1)
+
+
+@compiled
+def _see_face(
+    kx: float, ky: float, surface: int, cosines: Floats, sines: Floats, nearness: Floats, surfaces: Ints
+) -> None:
+    """Let beams that meet a face see it where it is the nearest so far: along a beam its 1/distance is k · beam."""
+    for i in range(len(cosines)):
+        near = kx * cosines[i] + ky * sines[i]
+        nearer = near > nearness[i]
+        # both arms write: this loop then runs several beams at a time
+        nearness[i] = near if nearer else nearness[i]
+        surfaces[i] = surface if nearer else surfaces[i]
 
 
 @compiled
@@ -175,10 +186,11 @@ def cast(
         for pair in range(2):
             seen, extent = (px, a) if pair == 0 else (py, b)
             distance = abs(seen) - extent
-            if distance <= 0.0 or distance > max_range_m:
+            aside = abs(py) - b if pair == 0 else abs(px) - a
+            if distance <= 0.0 or distance > max_range_m or aside > max_range_m:
                 continue
             side = 2 * pair + (1 if seen < 0.0 else 0)
-            nx, ny, out, length = face(side, cx, cy, ux, uy, a, b)
+            nx, ny, out, length = face(side, ux, uy, a, b)
             mx, my = cx + out * nx, cy + out * ny
             rx, ry, lx, ly = mx - length * ny, my + length * nx, mx + length * ny, my - length * nx
             first = math.atan2(ry, rx) / STEP_RAD - FIRST_STEP
@@ -186,11 +198,11 @@ def cast(
             kx, ky = -nx / distance, -ny / distance
             for turn in range(2):
                 low, high = _interval(first, last, turn)
-                for i in range(low, high + 1):
-                    near = kx * cosines[i] + ky * sines[i]
-                    if near > nearness[i]:
-                        nearness[i] = near
-                        surfaces[i] = 4 * p + side
+                if low <= high:
+                    _see_face(
+                        kx, ky, 4 * p + side, cosines[low : high + 1], sines[low : high + 1],
+                        nearness[low : high + 1], surfaces[low : high + 1],
+                    )  # fmt: skip
 
 
 @compiled
@@ -233,37 +245,43 @@ def cast_one(
             if distance <= 0.0:
                 continue
             side = 2 * pair + (1 if seen < 0.0 else 0)
-            nx, ny, out, length = face(side, cx, cy, ux, uy, a, b)
+            nx, ny, out, length = face(side, ux, uy, a, b)
             near = -(nx * ex + ny * ey) / distance
             if near <= nearest:
                 continue
             mx, my = cx + out * nx, cy + out * ny
             across = (ex / near - mx) * -ny + (ey / near - my) * nx
-            if abs(across) <= length * (1.0 + _SLACK):
+            if abs(across) <= length * (1.0 + 1e-12):
                 nearest, surface = near, 4 * p + side
     return nearest, surface
 
 
 @compiled
-def cosine_of_incidence(
+def slope(
     surface: int,
-    ex: float,
-    ey: float,
     laser: tuple[float, float, float, float],
     poses: Floats,
     shapes: Floats,
     rectangles: int,
     frames: Ints,
-) -> float:
-    """Cosine of the angle between a beam with direction (ex, ey) and the normal of the surface where it meets it."""
+) -> tuple[bool, float, float]:
+    """What `cosine_of_incidence` needs of a surface, in the laser's frame: is it a disc; then the centre divided by
+    the radius, else the normal."""
     p = surface // 4
     cx, cy, ux, uy = in_laser_frame(shapes[p], frames[p], poses, laser)
-    a, b = shapes[p, 4], shapes[p, 5]
     if p >= rectangles:
-        off = (cx * ey - cy * ex) / a
+        return True, cx / shapes[p, 4], cy / shapes[p, 4]
+    nx, ny, _, _ = face(surface % 4, ux, uy, shapes[p, 4], shapes[p, 5])
+    return False, nx, ny
+
+
+@compiled
+def cosine_of_incidence(is_disc: bool, x: float, y: float, ex: float, ey: float) -> float:
+    """Cosine of the angle between a beam with direction (ex, ey) and the normal of the surface where it meets it."""
+    if is_disc:
+        off = x * ey - y * ex
         return math.sqrt(max(1.0 - off * off, 0.0))
-    nx, ny, _, _ = face(surface % 4, cx, cy, ux, uy, a, b)
-    return abs(nx * ex + ny * ey)
+    return abs(x * ex + y * ey)
 
 
 @compiled
@@ -286,6 +304,6 @@ def turn_to_end(
     if p >= rectangles:
         half = math.asin(min(a / math.sqrt(cx * cx + cy * cy), 1.0))
         return math.atan2(ex * cy - ey * cx, ex * cx + ey * cy) + hand * half
-    nx, ny, out, length = face(surface % 4, cx, cy, ux, uy, a, b)
+    nx, ny, out, length = face(surface % 4, ux, uy, a, b)
     x, y = cx + out * nx + hand * length * ny, cy + out * ny - hand * length * nx
     return math.atan2(ex * y - ey * x, ex * x + ey * y)

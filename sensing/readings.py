@@ -8,7 +8,7 @@ from typing import NamedTuple
 from flocking.compilation import compiled
 from flocking.types import Floats, Ints
 from sensing.intensity import NEAREST_M, returned
-from sensing.planar import BEAMS, STEP_RAD, cosine_of_incidence, turn_to_end
+from sensing.planar import BEAMS, STEP_RAD, cosine_of_incidence, slope, turn_to_end
 from sensing.types import NOBODY
 
 FARTHEST_M = 5.6
@@ -117,16 +117,19 @@ def light(
     returns: Floats,
 ) -> None:
     """Fill `returns` (B,) with what comes back along the middle of each beam; 0 where nothing is in range."""
+    known = -1
+    is_disc, x, y = False, 0.0, 0.0
     for i in range(BEAMS):
         surface = surfaces[i]
         if surface < 0:
             returns[i] = 0.0
             continue
-        row = i if len(lasers) > 1 else 0
-        laser = (lasers[row, 0], lasers[row, 1], lasers[row, 2], lasers[row, 3])
-        cosine = cosine_of_incidence(
-            surface, beams[0, i], beams[1, i], laser, poses[row], shapes, rectangles, frames
-        )
+        if surface != known or len(lasers) > 1:
+            row = i if len(lasers) > 1 else 0
+            laser = (lasers[row, 0], lasers[row, 1], lasers[row, 2], lasers[row, 3])
+            is_disc, x, y = slope(surface, laser, poses[row], shapes, rectangles, frames)
+            known = surface
+        cosine = cosine_of_incidence(is_disc, x, y, beams[0, i], beams[1, i])
         p = surface // 4
         returns[i] = returned(materials[p, 0], materials[p, 1], cosine, distances[i])
 

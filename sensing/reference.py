@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import NamedTuple
 
@@ -65,7 +65,7 @@ class Rays:
         mujoco.mj_kinematics(self._model, data)
         directions = self.directions(data, k)
         with self.hidden(k):
-            self.shoot(data, k, directions)
+            self.shoot(data, k, directions, self._normals)
         distances, geoms = self._distances.copy(), self._geoms.astype(np.int64)
         leaving = np.einsum("ij,ij->i", directions, self._normals.reshape(-1, 3)) > 0.0
         distances[leaving & (geoms >= 0)] = 0.0
@@ -77,11 +77,11 @@ class Rays:
         """(B, 3) beams of laser k in the world."""
         return self._local @ np.asarray(data.site_xmat[self._sites[k]]).reshape(3, 3).T
 
-    def shoot(self, data: mujoco.MjData, k: int, directions: Floats) -> None:
+    def shoot(self, data: mujoco.MjData, k: int, directions: Floats, normals: Floats | None = None) -> None:
         """The call of `mj_multiRay` alone: what the planar laser's speed is compared with."""
         mujoco.mj_multiRay(
             self._model, data, data.site_xpos[self._sites[k]], directions.ravel(), self._groups, True, -1,
-            self._geoms, self._distances, self._normals, BEAMS, MAX_RANGE_M,
+            self._geoms, self._distances, normals, BEAMS, MAX_RANGE_M,
         )  # fmt: skip
 
 
@@ -107,22 +107,27 @@ def difference(planar: Floats, rays: Floats) -> Floats:
     return out
 
 
+def _durations(call: Callable[[], object], repeats: int) -> list[float]:
+    times = []
+    for _ in range(repeats):
+        start = time.perf_counter()
+        call()
+        times.append(time.perf_counter() - start)
+    return times
+
+
 def compare(lasers: Lasers, rays: Rays, data: mujoco.MjData, repeats: int = 20) -> Comparison:
-    """Cast every laser both ways, `repeats` times each, and compare distances and times."""
+    """Cast every laser both ways, `repeats` times each in a row, and compare distances and times."""
     differences, fast, slow = [], [], []
     for k in range(len(lasers.roots)):
         planar, _ = lasers.cast(data, k)
         differences.append(difference(planar, rays.cast(data, k)[0]))
+    for k in range(len(lasers.roots)):
+        fast += _durations(lambda k=k: lasers.trace(data, k), repeats)
+    for k in range(len(lasers.roots)):
         directions = rays.directions(data, k)
-        for _ in range(repeats):
-            start = time.perf_counter()
-            lasers.trace(data, k)
-            middle = time.perf_counter()
-            with rays.hidden(k):
-                before = time.perf_counter()
-                rays.shoot(data, k, directions)
-                slow.append(time.perf_counter() - before)
-            fast.append(middle - start)
+        with rays.hidden(k):
+            slow += _durations(lambda k=k, d=directions: rays.shoot(data, k, d), repeats)
     joined = np.concatenate(differences)
     finite = joined[np.isfinite(joined)]
     return Comparison(

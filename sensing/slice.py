@@ -69,7 +69,7 @@ class Slice:
             else:
                 turn = 2.0 * np.pi * np.arange(POLYGON_SIDES) / POLYGON_SIDES
                 corners = a * np.stack([np.cos(turn), np.sin(turn)], axis=1)
-            corners = corners + (x, y)
+            corners = corners + np.array([x, y])
             segments.append(np.hstack([corners, np.roll(corners, -1, axis=0)]))
         return np.concatenate(segments) if segments else np.empty((0, 4))
 
@@ -88,9 +88,7 @@ class Slice:
                 axis = turn[:2, :2] @ (cosine, sine)
                 across = np.array([-axis[1], axis[0]])
                 reach = max(
-                    float(np.hypot(*(offset + i * a * axis + j * b * across)))
-                    for i in (-1, 1)
-                    for j in (-1, 1)
+                    float(np.hypot(*(offset + i * a * axis + j * b * across))) for i in (-1, 1) for j in (-1, 1)
                 )
             else:
                 reach = float(np.hypot(*offset)) + a
@@ -217,9 +215,7 @@ def _in_frame(shape_w: Floats, data: mujoco.MjData, body: int) -> Floats:
     return np.array([*centre, *(axis / np.hypot(*axis)), *shape_w[4:]])
 
 
-def _cut(
-    model: mujoco.MjModel, data: mujoco.MjData, geom: int, height_m: float
-) -> tuple[bool, Floats] | None:
+def _cut(model: mujoco.MjModel, data: mujoco.MjData, geom: int, height_m: float) -> tuple[bool, Floats] | None:
     """The geom's section in world axes: (is it a rectangle, shape), or None where the plane misses it."""
     if not is_visible(model, geom):
         return None
