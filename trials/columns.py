@@ -1,0 +1,45 @@
+"""Columns of numbers as the Rerun viewer takes them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import rerun as rr
+from numpy.typing import NDArray
+
+from flocking.types import Floats, Ints
+
+TIMELINE = "time"
+
+
+def in_world(positions: Any, poses_w: Floats) -> Floats:
+    """(M, 2) world positions of `positions` (M, 2), each in the body frame of its own pose (M, 3)."""
+    c, s = np.cos(poses_w[:, 2]), np.sin(poses_w[:, 2])
+    x, y = positions[:, 0], positions[:, 1]
+    return np.stack([poses_w[:, 0] + c * x - s * y, poses_w[:, 1] + s * x + c * y], axis=1)
+
+
+def series(recording: rr.RecordingStream, entity: str, name: str, colour: int, times: Floats, values: Floats) -> None:
+    """One line of a plot."""
+    recording.log(entity, rr.SeriesLines(names=name, colors=packed([colour]), widths=[1.5]), static=True)
+    recording.send_columns(entity, [times_column(times)], rr.Scalars.columns(scalars=values))
+
+
+def nanoseconds(times: Floats) -> Ints:
+    return np.round(times * 1e9).astype(np.int64)
+
+
+def times_column(times: Floats) -> rr.TimeColumn:
+    """Rounded to the nearest nanosecond: the viewer's own conversion cuts off, and 0.3 s becomes 0.299999999."""
+    return rr.TimeColumn(TIMELINE, duration=nanoseconds(times).astype("timedelta64[ns]"))
+
+
+def packed(colours: Any) -> NDArray[np.uint32]:
+    return np.array(colours, dtype=np.uint32)
+
+
+def spans(starts: Ints, ends: Ints) -> Ints:
+    """The numbers from each start to before its end, one span after the other."""
+    counts = ends - starts
+    return np.repeat(starts - np.r_[0, np.cumsum(counts)[:-1]], counts) + np.arange(counts.sum())
