@@ -17,6 +17,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 import mujoco
+import numpy as np
+from numpy.typing import NDArray
 
 from robots.physics import FLOOR_MASK, HULL_MASK, apply_options
 
@@ -125,7 +127,39 @@ ROLLING = {"solref": (0.02, 1.0), "solimp": (0.99, 0.99, 0.001, 0.5, 2.0)}
 # 0.5 m/s a robot moves 5 mm in one step of 10 ms, and would stand that deep in a wall before any contact were found.
 BUMPER = {"solref": (0.02, 1.0), "solimp": (0.5, 0.95, 0.004, 0.5, 2.0), "margin": BUMPER_TRAVEL}
 
+
+class Inertia(NamedTuple):
+    """Mass properties of the base with its payload, without the wheels."""
+
+    mass: float
+    """kg."""
+    centre: tuple[float, float, float]
+    """m."""
+    tensor: NDArray[np.float64]
+    """(3, 3) about the centre of mass, along the body's axes, kg m²."""
+
+
 XML = Path(__file__).with_name("create.xml")
+
+
+def base_inertia() -> Inertia:
+    """From the parts' masses and shapes: solid cylinders and boxes, moved by the parallel-axis theorem.
+
+    The model's own inertia is MuJoCo's sum over the same parts; a test holds one against the other.
+    """
+    masses = np.array([part.mass for part in PARTS])
+    places = np.array([part.position for part in PARTS])
+    centre = masses @ places / masses.sum()
+    tensor = np.zeros((3, 3))
+    for part, offset in zip(PARTS, places - centre, strict=True):
+        if len(part.size) == 3:
+            x2, y2, z2 = np.square(part.size)
+            own = np.array((y2 + z2, x2 + z2, x2 + y2)) / 12
+        else:
+            r2, h2 = np.square(part.size)
+            own = np.array((r2 / 4 + h2 / 12, r2 / 4 + h2 / 12, r2 / 2))
+        tensor += part.mass * (np.diag(own) + offset @ offset * np.eye(3) - np.outer(offset, offset))
+    return Inertia(float(masses.sum()), tuple(centre.tolist()), tensor)
 
 
 def spec() -> mujoco.MjSpec:
