@@ -1,0 +1,89 @@
+"""What there is and what a run will do, as text for the terminal."""
+
+from __future__ import annotations
+
+import ast
+import importlib.util
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from flocking import found
+from trials.types import Trial
+
+SHOWN_TRIALS = 12
+"""First trials of a long list that are shown; the last one follows."""
+
+
+def listing(what: str | None) -> str:
+    """Names with one line each, of one kind or of all."""
+    kinds = [what] if what is not None else ["experiments", "laws", "pipelines", "bodies", "worlds"]
+    parts = []
+    for kind in kinds:
+        names = _names(kind)
+        width = max(map(len, names), default=0)
+        lines = [f"{name:{width}}  {about}".rstrip() for name, about in names.items()]
+        parts.append("\n".join(lines if what is not None else [kind, *(f"  {line}" for line in lines)]))
+    return "\n".join(parts)
+
+
+def planned(plan: Any, chosen: Sequence[Trial]) -> str:
+    """A plan: its parameters and the trials that will run."""
+    rows = [
+        (row.key, _value(row.value), row.unit, "published" if row.published else "chosen", row.source)
+        for row in plan.parameters
+    ]
+    lines = [f"{plan.experiment}: {plan.title}", "", *_table(("parameter", "value", "unit", "", "source"), rows), ""]
+    for factor, values in (*plan.conditions.items(), *plan.sweep.items()):
+        lines.append(f"varied: {factor} = {', '.join(map(_value, values))}")
+    lines += [f"note: {note}" for note in plan.notes]
+    some = "" if len(chosen) == len(plan.trials) else f" of {len(plan.trials)}"
+    lines += ["", f"{len(chosen)}{some} trials, {plan.repeats} repeats of each cell:"]
+    trials = [_trial(trial) for trial in chosen]
+    if len(trials) > SHOWN_TRIALS + 2:
+        trials = [*trials[:SHOWN_TRIALS], ("…", "", "", "", ""), trials[-1]]
+    return "\n".join([*lines, *_table(("trial", "repeat", "seed", "formation", "conditions"), trials)])
+
+
+def _names(kind: str) -> dict[str, str]:
+    """Names of one kind and the first lines of their docstrings."""
+    packages = {
+        "experiments": "trials.experiments",
+        "laws": "flocking.laws",
+        "pipelines": "sensing.pipelines",
+        "bodies": "robots",
+        "worlds": "worlds",
+    }
+    modules = found.modules(packages[kind])
+    if kind in ("bodies", "worlds"):
+        from trials.keys import valid
+
+        modules = {name: modules[name] for name in valid(packages[kind])}
+    return {name: _first_line(module) for name, module in sorted(modules.items())}
+
+
+def _first_line(module: str) -> str:
+    """Of a module's docstring, read without running the module."""
+    spec = importlib.util.find_spec(module)
+    if spec is None or spec.origin is None:
+        return ""
+    text = ast.get_docstring(ast.parse(Path(spec.origin).read_text(encoding="utf-8"))) or ""
+    return text.partition("\n")[0]
+
+
+def _trial(trial: Trial) -> tuple[str, ...]:
+    conditions = ", ".join(f"{key.rsplit('.', 1)[-1]} {_value(value)}" for key, value in trial.conditions.items())
+    return str(trial.index), str(trial.repeat), str(trial.seed), trial.formation, conditions
+
+
+def _value(value: Any) -> str:
+    if isinstance(value, bool):
+        return str(value).lower()
+    return f"{value:g}" if isinstance(value, float) else str(value)
+
+
+def _table(head: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> list[str]:
+    widths = [max(len(row[column]) for row in (head, *rows)) for column in range(len(head))]
+    return [
+        "  ".join(f"{cell:{width}}" for cell, width in zip(row, widths, strict=True)).rstrip() for row in (head, *rows)
+    ]

@@ -1,0 +1,99 @@
+"""What stands behind options of the command line, as text: settings, sweeps and selections of trials."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+from flocking.errors import InputError
+
+_KEY = re.compile(r"[A-Za-z_][\w-]*(\.[A-Za-z_][\w-]*)*")
+_WORD = re.compile(r"[A-Za-z_.~/][\w./~-]*")
+_RANGE = re.compile(r"(\d+)(?:-(\d+))?")
+
+
+def settings(texts: Iterable[str]) -> dict[str, Any]:
+    """`--set KEY=VALUE …`: the values by key. A value is TOML; a bare word is text."""
+    found: dict[str, Any] = {}
+    for text in texts:
+        key, value = _split("--set", text, "VALUE")
+        if key in found:
+            raise InputError(f"--set {text}: {key} is set twice")
+        found[key] = _value(f"--set {text}", value)
+    return found
+
+
+def sweeps(texts: Iterable[str]) -> dict[str, list[Any]]:
+    """`--sweep KEY=A,B,C …`: the lists of values by key. Each value is TOML; a bare word is text."""
+    found: dict[str, list[Any]] = {}
+    for text in texts:
+        key, values = _split("--sweep", text, "A,B,C")
+        if key in found:
+            raise InputError(f"--sweep {text}: {key} is swept twice")
+        found[key] = _values(f"--sweep {text}", values)
+    return found
+
+
+def only(text: str, count: int) -> list[int]:
+    """`--only 1-4,9`: the indices of the trials, in order, of `count` in all."""
+    indices: set[int] = set()
+    for part in text.split(","):
+        match = _RANGE.fullmatch(part.strip())
+        if match is None:
+            raise InputError(f"--only {text!r}: expected numbers and ranges of trials, as in 1-4,9")
+        first, last = int(match[1]), int(match[2] or match[1])
+        if first > last:
+            raise InputError(f"--only {text!r}: the range {part.strip()} ends before it begins")
+        if first < 1 or last > count:
+            raise InputError(f"--only {text!r}: expected trials from 1 to {count}")
+        indices.update(range(first, last + 1))
+    return sorted(indices)
+
+
+def ranges(indices: Sequence[int]) -> str:
+    """The inverse of `only`: 1-4,9."""
+    parts: list[list[int]] = []
+    for index in sorted(indices):
+        if parts and index == parts[-1][1] + 1:
+            parts[-1][1] = index
+        else:
+            parts.append([index, index])
+    return ",".join(str(a) if a == b else f"{a}-{b}" for a, b in parts)
+
+
+def _split(option: str, text: str, what: str) -> tuple[str, str]:
+    key, equals, value = text.partition("=")
+    key, value = key.strip(), value.strip()
+    if not equals or not _KEY.fullmatch(key) or not value:
+        raise InputError(f"{option} {text!r}: expected KEY={what}, as in herd.law.repulsion_m=0.5")
+    return key, value
+
+
+def _toml(text: str) -> Any:
+    """One TOML value. Raises `tomllib.TOMLDecodeError`."""
+    found = tomllib.loads(f"value = {text}")
+    if list(found) != ["value"]:
+        raise tomllib.TOMLDecodeError
+    return found["value"]
+
+
+def _value(given: str, text: str) -> Any:
+    try:
+        return _toml(text)
+    except tomllib.TOMLDecodeError:
+        if _WORD.fullmatch(text):
+            return text
+        raise InputError(f'{given}: {text!r} is not a TOML value (0.5, true, "text")') from None
+
+
+def _values(given: str, text: str) -> list[Any]:
+    try:
+        values = _toml(f"[{text}]")
+    except tomllib.TOMLDecodeError:
+        values = [_value(given, part.strip()) for part in text.split(",")]
+    for number, value in enumerate(values):
+        if any(value == other and type(value) is type(other) for other in values[:number]):
+            raise InputError(f"{given}: {value!r} is given twice")
+    return list(values)

@@ -1,0 +1,97 @@
+"""How a batch goes on: a bar with rate and estimate on a terminal, plain lines elsewhere; both on stderr."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from time import monotonic
+from typing import Any
+
+from trials.batch import Progress
+from trials.store import Row
+
+LINE_EVERY_S = 5.0
+"""Between two plain lines, so that a log of thousands of trials stays readable."""
+
+
+@contextmanager
+def shown(count: int, already: int = 0) -> Iterator[Progress]:
+    """Progress of `count` trials, `already` of which had ended before."""
+    if sys.stderr.isatty():
+        with _bar(count, already) as bar:
+            yield bar
+    else:
+        yield Lines(count, already)
+
+
+class Lines:
+    """A line now and then."""
+
+    def __init__(self, count: int, already: int) -> None:
+        self.count, self.already, self.kept = count, already, 0
+        self.started = self.last = monotonic()
+
+    def say(self, text: str) -> None:
+        print(text, file=sys.stderr, flush=True)
+
+    def ended(self, row: Row) -> None:
+        self.kept += 1
+        if row.status != "done":
+            self.say(failure(row))
+        now = monotonic()
+        done = self.already + self.kept
+        if done == self.count or now - self.last >= LINE_EVERY_S:
+            self.last = now
+            rate = self.kept / max(now - self.started, 1e-9)
+            left = f", about {duration((self.count - done) / rate)} left" if done < self.count else ""
+            self.say(f"{done} of {self.count} trials, {rate:.2g} a second{left}")
+
+
+class _Bar:
+    def __init__(self, bar: Any, task: Any) -> None:
+        self.bar, self.task = bar, task
+        self.kept, self.started = 0, monotonic()
+
+    def say(self, text: str) -> None:
+        self.bar.update(self.task, description=text)
+
+    def ended(self, row: Row) -> None:
+        self.kept += 1
+        if row.status != "done":
+            self.bar.console.print(failure(row), markup=False, highlight=False)
+        rate = self.kept / max(monotonic() - self.started, 1e-9)
+        self.bar.update(self.task, advance=1, description="trials", rate=f"{rate:.2g}/s")
+
+
+@contextmanager
+def _bar(count: int, already: int) -> Iterator[_Bar]:
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+    from rich.progress import Progress as Rich
+
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TextColumn("{task.fields[rate]}"),
+        TimeElapsedColumn(),
+        TextColumn("left"),
+        TimeRemainingColumn(),
+    )
+    with Rich(*columns, console=Console(stderr=True)) as bar:
+        yield _Bar(bar, bar.add_task("starting", total=count, completed=already, rate=""))
+
+
+def failure(row: Row) -> str:
+    """A failed trial in one line."""
+    return f"trial {row.index} failed (seed {row.seed}, repeat {row.repeat}): {row.reason}"
+
+
+def duration(seconds: float) -> str:
+    """A span of time in words."""
+    if seconds < 90:
+        return f"{seconds:.0f} s"
+    if seconds < 5400:
+        return f"{seconds / 60:.0f} min"
+    return f"{seconds / 3600:.1f} h"

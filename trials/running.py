@@ -1,0 +1,262 @@
+"""Runs: from what is asked for to a folder with every trial in it, begun anew or taken up again."""
+
+from __future__ import annotations
+
+import shlex
+import sys
+import traceback
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from datetime import UTC, datetime
+from pathlib import Path
+from time import monotonic
+from typing import Any
+
+from flocking.errors import InputError
+from trials import machine, options, progress, store
+from trials.batch import run_batch
+from trials.design import DEFAULT_SEED, Plan, plan
+from trials.store import Row, Store
+from trials.types import Trial
+
+SHOWN_FAILURES = 10
+"""Failed trials that the closing words list."""
+RECORD, SCANS = ("all", "first", "none"), ("some", "all")
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What a run is asked to do."""
+
+    experiment: str
+    repeats: int | None = None
+    """None: the experiment's own number."""
+    seed: int = DEFAULT_SEED
+    settings: dict[str, Any] = field(default_factory=dict)
+    sweep: dict[str, list[Any]] = field(default_factory=dict)
+    law: str | None = None
+    pipeline: str | None = None
+    body: str | None = None
+    only: str | None = None
+    record: str = "all"
+    scans: str = "some"
+
+    def command(self) -> str:
+        """The command that plans the same trials, whichever of them it then runs."""
+        words = ["herd", "run", self.experiment]
+        if self.repeats is not None:
+            words += ["--repeats", str(self.repeats)]
+        if self.seed != DEFAULT_SEED:
+            words += ["--seed", str(self.seed)]
+        for name in ("law", "pipeline", "body"):
+            if getattr(self, name) is not None:
+                words += [f"--{name}", getattr(self, name)]
+        for key, value in self.settings.items():
+            words += ["--set", f"{key}={_toml(value)}"]
+        for key, values in self.sweep.items():
+            words += ["--sweep", f"{key}={','.join(map(_toml, values))}"]
+        return shlex.join(words)
+
+
+def planned(asked: Asked) -> tuple[Plan, list[Trial]]:
+    """The plan, and those of its trials that are asked for. Users' laws are tried out first.
+
+    Raises `InputError` for anything that does not exist or fit.
+    """
+    check_laws(asked)
+    made = plan(
+        asked.experiment,
+        repeats=asked.repeats,
+        seed=asked.seed,
+        settings=asked.settings,
+        sweep=asked.sweep,
+        law=asked.law,
+        pipeline=asked.pipeline,
+        body=asked.body,
+    )
+    if asked.only is None:
+        return made, made.trials
+    wanted = options.only(asked.only, len(made.trials))
+    return made, [made.trials[index - 1] for index in wanted]
+
+
+def check_laws(asked: Asked) -> None:
+    """Tries out each law that is a file of the user's own, in a process that can be stopped."""
+    from flocking.lawentry import is_path
+    from trials.lawcheck import check
+
+    swept = {**{key: [value] for key, value in asked.settings.items()}, **asked.sweep}
+    laws = [asked.law, *(value for key, values in swept.items() if key.endswith(".law") for value in values)]
+    for law in dict.fromkeys(law for law in laws if isinstance(law, str) and is_path(law)):
+        check(law)
+
+
+def start(asked: Asked, out: Path | None, jobs: int) -> int:
+    """Runs what is asked for into a new folder; returns the exit code."""
+    made, chosen = planned(asked)
+    for note in made.notes:
+        print(f"note: {note}", file=sys.stderr)
+    folder = out if out is not None else store.next_folder(made.experiment)
+    run = {
+        "format": store.FORMAT,
+        "experiment": made.experiment,
+        "command": asked.command(),
+        "repeats": made.repeats,
+        "seed": asked.seed,
+        "settings": asked.settings,
+        "conditions": made.conditions,
+        "sweep": asked.sweep,
+        "law": asked.law,
+        "pipeline": asked.pipeline,
+        "body": asked.body,
+        "only": asked.only,
+        "record": asked.record,
+        "scans": asked.scans,
+        "started": datetime.now(UTC).isoformat(timespec="seconds"),
+        **machine.made_with(),
+        "trials": [trial.as_dict() for trial in chosen],
+    }
+    kept = store.create(folder, run, users_files(chosen))
+    try:
+        return _go(kept, jobs)
+    finally:
+        kept.close()
+
+
+def resume(folder: Path, jobs: int) -> int:
+    """Runs the trials of a run that have not ended yet; returns the exit code.
+
+    A trial that failed has ended: the table is the same as if the run had not been interrupted.
+    """
+    kept = store.opened(folder)
+    try:
+        changed = machine.differences(kept.run, machine.made_with())
+        if changed:
+            print(
+                f"note: changed since this run began: {'; '.join(changed)}; results may differ in their last bits",
+                file=sys.stderr,
+            )
+        return _go(kept, jobs)
+    finally:
+        kept.close()
+
+
+def debug(asked: Asked) -> int:
+    """Runs one trial in this process, keeps nothing, and shows the traceback of what fails; returns the exit code."""
+    import faulthandler
+
+    from trials.herd import assemble
+    from trials.log import Log
+    from trials.loop import run
+    from trials.worker import run_packed
+
+    if asked.only is None or not asked.only.strip().isdigit():
+        raise InputError("--debug runs one trial in this process: say which, as in --only 5 --debug")
+    _, (trial,) = planned(asked)
+    faulthandler.enable()
+    print(f"trial {trial.index}: seed {trial.seed}, repeat {trial.repeat}, {conditions(trial)}", flush=True)
+    try:
+        output = run_packed(trial.as_dict(), asked.scans, asked.record != "none")
+        if output.status != "done":  # the loop made it a failed result; once more without the net
+            herd = assemble(trial, record=False)
+            run(herd, Log(trial, len(herd.robots), "none"), last=round(trial.duration_s / trial.timestep_s))
+    except Exception:
+        traceback.print_exc()
+        return 1
+    print(f"{output.status}{': ' if output.reason else ''}{output.reason}")
+    for name, value in output.measures.items():
+        print(f"{name:32} {value:.6g}")
+    return 0 if output.status == "done" else 1
+
+
+def conditions(trial: Trial) -> str:
+    """The conditions of a trial in one line."""
+    return ", ".join(f"{key}={_toml(value)}" for key, value in trial.conditions.items()) or "no conditions"
+
+
+def users_files(trials: Sequence[Trial]) -> dict[str, str]:
+    """The texts of the users' law files that take part, under names of their own."""
+    found: dict[str, str] = {}
+    texts = {(group.law, group.law_source): None for trial in trials for group in trial.groups if group.law_source}
+    for law, text in texts:
+        path = Path(law)
+        name, number = path.name, 2
+        while found.get(name, text) != text:
+            name, number = f"{path.stem}-{number}{path.suffix}", number + 1
+        found[name] = text
+    return found
+
+
+def kinds(trials: Sequence[Trial]) -> list[Trial]:
+    """One trial for each set of code that takes part, so that all of it can be compiled beforehand."""
+    found: dict[Any, Trial] = {}
+    for trial in trials:
+        code = tuple((g.body, g.pipeline, g.selection, g.law, g.law_source, g.sensors) for g in trial.groups)
+        found.setdefault(code, trial)
+    return list(found.values())
+
+
+def _go(kept: Store, jobs: int) -> int:
+    """Runs the trials that have no row yet."""
+    trials = kept.trials
+    recorded = {"all": trials, "first": trials[:1], "none": []}[kept.run["record"]]
+    with store.alone(kept.folder):
+        ended = {row.index for row in kept.rows()}
+        left = [trial for trial in trials if trial.index not in ended]
+        started = monotonic()
+        stopped, new = 0, 0
+        if left:
+            with progress.shown(len(trials), len(ended)) as shown:
+                summary = run_batch(
+                    left,
+                    kept,
+                    shown,
+                    jobs=jobs,
+                    scans=kept.run["scans"],
+                    recorded=frozenset(trial.index for trial in recorded),
+                    warm_up=kinds(left),
+                )
+            stopped, new = summary.stopped, len(summary.rows)
+    rows = kept.rows()
+    if stopped:
+        print(
+            f"herd: stopped; {len(rows)} of {len(trials)} trials are kept in {kept.folder}; "
+            f"finish it with: herd resume {shlex.quote(str(kept.folder))}",
+            file=sys.stderr,
+        )
+        return 128 + stopped
+    _close(kept, rows, new, monotonic() - started)
+    return 1 if any(row.status != "done" for row in rows) else 0
+
+
+def _close(kept: Store, rows: Sequence[Row], new: int, seconds: float) -> None:
+    """The closing words: what was run, the report, where everything is."""
+    from trials.report import report
+
+    folder = kept.folder
+    failed = [row for row in rows if row.status != "done"]
+    print(report(folder))
+    took = (
+        f", {new} of them now, in {progress.duration(seconds)}"
+        if new < len(rows)
+        else f" in {progress.duration(seconds)}"
+    )
+    print(f"\n{len(rows)} trials: {len(rows) - len(failed)} done, {len(failed)} failed{took}")
+    for row in failed[:SHOWN_FAILURES]:
+        print(progress.failure(row))
+        print(f"  once more, with its traceback: {kept.run.get('command')} --only {row.index} --debug")
+    if len(failed) > SHOWN_FAILURES:
+        print(f"… and {len(failed) - SHOWN_FAILURES} more failed; all are in {folder / store.RESULTS}")
+    print(f"results     {folder}")
+    print(f"report      {folder / 'report.html'}")
+    recorded = [row.index for row in rows if kept.recording(row.index)]
+    if recorded:
+        print(f"recordings  {folder / store.RECORDINGS}, {len(recorded)} of {len(rows)} trials")
+        print(f"play one    herd play {shlex.quote(str(folder))} --trial {recorded[0]}")
+
+
+def _toml(value: Any) -> str:
+    """A value as an option spells it."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    return value if isinstance(value, str) else repr(value)
