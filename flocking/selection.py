@@ -12,7 +12,7 @@ from collections.abc import Callable
 import numpy as np
 
 from flocking.errors import InputError, unknown_name
-from flocking.types import Bools, Members, Own
+from flocking.types import Bools, Ints, Members, Own
 
 Selection = Callable[[Members, Own], Bools]
 
@@ -79,7 +79,12 @@ def select(steps: list[tuple[Callable[..., Bools], tuple[float, ...]]], members:
     mask = everyone(members)
     for function, numbers in steps:
         kept = np.flatnonzero(mask)
-        chosen = function(Members(*(field[kept] for field in members)), *numbers)
+        chosen = function(_rows(members, kept), *numbers)
         mask = np.zeros_like(mask)
         mask[kept[chosen]] = True
     return mask
+
+
+def _rows(members: Members, kept: Ints) -> Members:
+    positions, bearings, headings, velocities, ids = members
+    return Members(positions[kept], bearings[kept], headings[kept], velocities[kept], ids[kept])

@@ -86,44 +86,32 @@ def plan(
         raise InputError(f"repeats = {repeats}: expected a whole number of at least 1")
     if seed < 0:
         raise InputError(f"seed = {seed}: expected a whole number of at least 0")
-    settings, sweep = dict(settings or {}), {key: list(values) for key, values in (sweep or {}).items()}
+    settings = dict(settings or {})
+    arm_values: dict[str, list[Any]] = {key: list(values) for key, values in (sweep or {}).items()}
     for key in settings:
-        if key in sweep:
+        if key in arm_values:
             raise InputError(f"{key} is both set and swept; expected one of the two")
-    conditions = {key: list(values) for key, values in module.CONDITIONS.items()}
-    notes: list[str] = []
-    swaps = {"pipeline": pipeline, "body": body}
-    base = module.base(1)
-    for field, value in swaps.items():
-        if value is not None:
-            for group in base.groups:
-                settings.setdefault(f"{group.name}.{field}", value)
-    if law is not None:
-        swapped, dropped = keys.with_law(base, law)
-        known = {row.key for row in keys.rows(swapped)}
-        gone = [key for key in conditions if ".law." in key and key not in known]
-        conditions = {key: values for key, values in conditions.items() if key not in gone and not key.endswith(".law")}
-        for key in sorted({*dropped, *gone}):
-            notes.append(f"law {law} has no parameter {key.rsplit('.', 1)[-1]}: {key} is left out")
-    for key, value in settings.items():
-        if key in conditions:
-            conditions[key] = [value]
-    for key in [key for key in sweep if key in conditions]:
-        conditions[key] = sweep.pop(key)
-    arms = [dict(zip(sweep, values, strict=True)) for values in itertools.product(*sweep.values())]
-    cells = [dict(zip(conditions, values, strict=True)) for values in itertools.product(*conditions.values())]
-    if repeats * len(arms) * len(cells) > MAX_TRIALS:
-        raise InputError(f"{repeats * len(arms) * len(cells)} trials: expected at most {MAX_TRIALS}")
-    trials = []
+    conditions: dict[str, list[Any]] = {key: list(values) for key, values in module.CONDITIONS.items()}
+    for group in module.base(1).groups:
+        for field, name_given in (("law", law), ("pipeline", pipeline), ("body", body)):
+            if name_given is not None:
+                settings[f"{group.name}.{field}"] = name_given
+    for key in [key for key in settings if key in conditions]:
+        conditions[key] = [settings.pop(key)]
+    for key in [key for key in arm_values if key in conditions]:
+        conditions[key] = arm_values.pop(key)
+    arms = [dict(zip(arm_values, values, strict=True)) for values in itertools.product(*arm_values.values())]
+    notes: dict[str, None] = {}
+    designs = [(arm, _cells(module, settings, arm, conditions, notes)) for arm in arms]
+    total = repeats * sum(len(cells) for _, cells in designs)
+    if total > MAX_TRIALS:
+        raise InputError(f"{total} trials: expected at most {MAX_TRIALS}")
+    trials: list[Trial] = []
     for repeat in range(1, repeats + 1):
-        for arm in arms:
+        for arm, cells in designs:
             for cell in cells:
                 trial = dataclasses.replace(module.base(repeat), index=len(trials) + 1, seed=seed, repeat=repeat)
-                if law is not None:
-                    trial, _ = keys.with_law(trial, law)
-                values = {**settings, **arm, **cell}
-                for key in sorted(values, key=_names_first):
-                    trial = keys.put(trial, key, values[key])
+                trial = _put(trial, {**settings, **arm, **cell})
                 trials.append(dataclasses.replace(trial, experiment=name, conditions={**arm, **cell}))
     trials = [_spelled(trial) for trial in trials]
     return Plan(
@@ -132,15 +120,40 @@ def plan(
         trials=trials,
         parameters=keys.rows(trials[0], getattr(module, "SOURCES", {})),
         conditions=conditions,
-        sweep=sweep,
+        sweep=arm_values,
         repeats=repeats,
-        notes=notes,
+        notes=list(notes),
     )
 
 
 def cell_of(trial: Trial) -> str:
     """The conditions of a trial in a few words, for a line of progress."""
     return ", ".join(f"{key.rsplit('.', 1)[-1]} {value}" for key, value in trial.conditions.items())
+
+
+def _cells(
+    module: ModuleType,
+    settings: Mapping[str, Any],
+    arm: Mapping[str, Any],
+    conditions: Mapping[str, Sequence[Any]],
+    notes: dict[str, None],
+) -> list[dict[str, Any]]:
+    """The cells of one arm. Another law may lack a parameter that the experiment varies: it is left out, and noted."""
+    chosen = {**settings, **arm}
+    names = {key: value for key, value in chosen.items() if not _names_first(key)[0]}
+    changed = any(key.rsplit(".", 1)[-1] == "law" for key in names)
+    known = {row.key for row in keys.rows(_put(module.base(1), names))} if changed else set(conditions)
+    for key in conditions:
+        if key not in known:
+            notes[f"{key} is left out: the law has no parameter {key.rsplit('.', 1)[-1]}"] = None
+    kept = {key: values for key, values in conditions.items() if key in known}
+    return [dict(zip(kept, values, strict=True)) for values in itertools.product(*kept.values())]
+
+
+def _put(trial: Trial, values: Mapping[str, Any]) -> Trial:
+    for key in sorted(values, key=_names_first):
+        trial = keys.put(trial, key, values[key])
+    return trial
 
 
 def _names_first(key: str) -> tuple[bool, bool, str]:

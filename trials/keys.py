@@ -7,8 +7,8 @@ from collections.abc import Mapping
 from typing import Annotated, Any, NamedTuple
 
 from flocking import found, lawentry, selection
-from flocking.errors import InputError, unknown_name
-from flocking.parameters import Declared, Parameter, checked, declared, filled
+from flocking.errors import unknown_name
+from flocking.parameters import Declared, Parameter, checked, declared
 from robots import create
 from sensing import laser
 from trials.types import Group, Trial
@@ -34,7 +34,7 @@ class TrialFields(NamedTuple):
 class GroupFields(NamedTuple):
     """What a group of robots has beside the parameters of its law, pipeline and sensors."""
 
-    count: Annotated[int, Parameter("robots", "Fine 2015, section 2.3.1", published=True, low=1, high=1000)] = 6
+    count: Annotated[int, Parameter("robots", "Fine 2015, section 2.3.1", published=True, low=1, high=1000)] = 6  # type: ignore[assignment]
     body: Annotated[str, Parameter("", "Fine 2015, section 2.3", published=True)] = "create"
     sensors: Annotated[str, Parameter("", "noise of the laser's data sheet", choices=tuple(laser.SETTINGS))] = (
         "datasheet"
@@ -107,18 +107,6 @@ def rows(trial: Trial, sources: Mapping[str, Parameter] | None = None) -> list[R
     return [_told(row, (sources or {}).get(row.key)) for row in found_rows]
 
 
-def with_law(trial: Trial, law: str) -> tuple[Trial, list[str]]:
-    """`trial` with every group's law swapped; parameters that the new law lacks are left out and named."""
-    source = lawentry.read_source(law) if lawentry.is_path(law) else ""
-    known = declared(lawentry.load(law, source).module.Parameters)
-    groups, dropped = [], []
-    for group in trial.groups:
-        kept = {name: value for name, value in group.law_parameters.items() if name in known}
-        dropped += [f"{group.name}.law.{name}" for name in group.law_parameters if name not in known]
-        groups.append(dataclasses.replace(group, law=law, law_source=source, law_parameters=kept))
-    return dataclasses.replace(trial, groups=tuple(groups)), dropped
-
-
 def _put_group(trial: Trial, group: Group, key: str, parts: list[str], value: Any) -> Group:
     fields = declared(GroupFields)
     if len(parts) == 1 and parts[0] in fields:
@@ -141,7 +129,8 @@ def _put_group(trial: Trial, group: Group, key: str, parts: list[str], value: An
         if parts[0] in places:
             field, parameters = places[parts[0]]
             given = _added(getattr(group, field), key, parts[1], value, declared(parameters()), trial)
-            return dataclasses.replace(group, **{field: given})
+            changes: dict[str, Any] = {field: given}
+            return dataclasses.replace(group, **changes)
     raise unknown_name("parameter", key, [row.key for row in rows(trial)])
 
 
@@ -196,11 +185,3 @@ def _rows_of(parameters: type, prefix: str, given: Mapping[str, Any]) -> list[Ro
 
 def _told(row: Row, about: Parameter | None) -> Row:
     return row if about is None else row._replace(source=about.source, published=about.published)
-
-
-def check(trial: Trial) -> None:
-    """Refuses a trial whose parameters do not fit, before anything is built."""
-    for group in trial.groups:
-        filled(_law_module(group).Parameters, group.law_parameters, prefix=f"{group.name}.law.")
-    if not trial.groups:
-        raise InputError("the trial has no groups of robots")

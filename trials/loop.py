@@ -32,12 +32,13 @@ class TrialError(RuntimeError):
     """A trial cannot go on; the message says why in one line."""
 
 
-def run_trial(trial: Trial, scans: str = "none") -> TrialResult:
+def run_trial(trial: Trial, scans: str = "none", reraise: bool = False) -> TrialResult:
     """Runs one trial and measures it; the same `Trial` gives the same result.
 
     `scans`: which scans to keep for a recording: `none`, `some` (2 Hz) or `all`. They do not change the result.
-    Physics that diverges or a law that returns nan ends the trial: `outcome` is then `failed`, `reason` says why,
-    and what was measured until then is kept. Raises `InputError` for a trial that cannot be set up.
+    Physics that diverges, a law that returns nan or anything else that goes wrong ends the trial: `outcome` is then
+    `failed`, `reason` says why, and what was measured until then is kept; with `reraise` the error is raised instead.
+    Raises `InputError` for a trial that cannot be set up.
     """
     from trials.measures import measure
 
@@ -50,8 +51,11 @@ def run_trial(trial: Trial, scans: str = "none") -> TrialResult:
     outcome, reason = "done", ""
     try:
         run(herd, log, last=round(trial.duration_s / trial.timestep_s))
-    except (LawError, TrialError) as error:
-        outcome, reason = "failed", f"{error} at {herd.world.data.time:.2f} s"
+    except Exception as error:
+        if reraise:
+            raise
+        told = str(error) if isinstance(error, LawError | TrialError) else f"{type(error).__name__}: {error}"
+        outcome, reason = "failed", f"{' '.join(told.split())} at {herd.world.data.time:.2f} s"
     finished = perf_counter()
     result = log.result(
         names=herd.world.names,

@@ -1,0 +1,109 @@
+"""Contract tests: every experiment that exists is found by itself, and its plan is what it says."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from flocking.errors import InputError
+from trials import design, keys
+from trials.types import Trial
+
+EXPERIMENTS = design.experiment_names()
+
+
+@pytest.mark.parametrize("name", EXPERIMENTS)
+class TestEveryExperiment:
+    def test_its_plan_is_a_full_factorial_design(self, name: str) -> None:
+        plan = design.plan(name, repeats=2)
+        cells = math.prod(len(values) for values in plan.conditions.values())
+        assert len(plan.trials) == 2 * cells
+        assert [trial.index for trial in plan.trials] == list(range(1, 2 * cells + 1))
+        assert all(trial.experiment == name for trial in plan.trials)
+        assert len({(t.repeat, tuple(t.conditions.items())) for t in plan.trials}) == 2 * cells
+
+    def test_more_repeats_keep_the_numbers(self, name: str) -> None:
+        few, many = design.plan(name, repeats=1).trials, design.plan(name, repeats=3).trials
+        assert many[: len(few)] == few
+
+    def test_every_parameter_has_a_source(self, name: str) -> None:
+        rows = design.plan(name, repeats=1).parameters
+        assert len({row.key for row in rows}) == len(rows)
+        assert all(row.source for row in rows)
+
+    def test_its_trials_survive_json(self, name: str) -> None:
+        import json
+
+        for trial in design.plan(name, repeats=1).trials:
+            assert Trial.from_dict(json.loads(json.dumps(trial.as_dict()))) == trial
+
+
+class TestCaseStudy:
+    def test_has_63_trials_of_six_robots(self) -> None:
+        plan = design.plan("detection-case-study")
+        assert len(plan.trials) == 63
+        assert {sum(g.count for g in t.groups) for t in plan.trials} == {6}
+        assert {t.formation for t in plan.trials} == {"single-group", "split-group", "scattered"}
+        assert min(t.duration_s for t in plan.trials) >= 60.0
+
+    def test_set_on_a_condition_replaces_its_values(self) -> None:
+        plan = design.plan("detection-case-study", settings={"herd.law.exclusion_m": 0.3})
+        assert len(plan.trials) == 21
+        assert {t.groups[0].law_parameters["exclusion_m"] for t in plan.trials} == {0.3}
+
+    def test_sweep_of_another_key_makes_arms(self) -> None:
+        plan = design.plan("detection-case-study", sweep={"herd.sensors": ["ideal", "harsh"]})
+        assert len(plan.trials) == 126
+        assert plan.sweep == {"herd.sensors": ["ideal", "harsh"]}
+        assert {t.conditions["herd.sensors"] for t in plan.trials} == {"ideal", "harsh"}
+
+    def test_another_law_leaves_out_what_it_lacks_and_says_so(self) -> None:
+        plan = design.plan("detection-case-study", law="snn")
+        assert len(plan.trials) == 21
+        assert any("exclusion_m" in note for note in plan.notes)
+
+    def test_a_pipeline_by_one_word(self) -> None:
+        plan = design.plan("detection-case-study", pipeline="perfect")
+        assert {t.groups[0].pipeline for t in plan.trials} == {"perfect"}
+        assert len(plan.trials) == 21
+
+    @pytest.mark.parametrize(
+        ("settings", "words"),
+        [
+            ({"herd.law.repulsion": 0.5}, r"herd\.law\.repulsion_m"),
+            ({"herd.speed_m_s": 0.6}, "from 0.001 to 0.5"),
+            ({"herd.speed_m_s": math.nan}, "from 0.001 to 0.5"),
+            ({"herd.pipeline": "sensorbased"}, "sensor-based"),
+            ({"herd.sensors": "idael"}, "ideal"),
+            ({"world": "coridor"}, "corridor"),
+            ({"world.width_m": -1}, "from 0.5"),
+            ({"herd.body": "fleet"}, "create"),
+            ({"flock.count": 3}, "herd.count"),
+            ({"herd.count": 0}, "from 1 to 1000"),
+            ({"formation": "line"}, "single-group"),
+        ],
+    )
+    def test_wrong_keys_and_values_are_refused(self, settings: dict[str, object], words: str) -> None:
+        with pytest.raises(InputError, match=words):
+            design.plan("detection-case-study", settings=settings)
+
+    def test_a_key_cannot_be_both_set_and_swept(self) -> None:
+        with pytest.raises(InputError, match="both set and swept"):
+            design.plan("detection-case-study", settings={"herd.speed_m_s": 0.1}, sweep={"herd.speed_m_s": [0.1, 0.2]})
+
+    def test_names_are_put_before_the_parameters_that_belong_to_them(self) -> None:
+        settings = {"herd.law.repulsion_m": 0.4, "herd.law": "snn"}
+        group = design.plan("detection-case-study", settings=settings).trials[0].groups[0]
+        assert (group.law, group.law_parameters["repulsion_m"]) == ("snn", 0.4)
+
+
+def test_show_gives_the_values_of_the_named_sensor_setting() -> None:
+    rows = {row.key: row.value for row in design.plan("detection-case-study").parameters}
+    ideal = {
+        row.key: row.value for row in design.plan("detection-case-study", settings={"herd.sensors": "ideal"}).parameters
+    }
+    assert rows["herd.sensors"] == "datasheet"
+    assert rows.keys() == ideal.keys()
+    assert rows != ideal
+    assert keys.valid("robots") == ["create"]

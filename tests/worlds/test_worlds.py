@@ -1,0 +1,123 @@
+"""Contract tests: every world and every formation that exists is found by itself; walls are where they say."""
+
+from __future__ import annotations
+
+import math
+
+import mujoco
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from flocking import found
+from flocking.errors import InputError
+from flocking.parameters import declared
+from robots import create
+from trials.keys import valid
+from worlds import assemble, corridor, formations
+from worlds.walls import HEIGHT, Walls, closed
+
+WORLDS = valid("worlds")
+TIMESTEP = 0.01
+
+
+def built(world: str = "corridor", count: int = 2, gap: float = 2.0) -> assemble.World:
+    poses_w = np.zeros((count, 3))
+    poses_w[:, 0] = np.arange(count) * gap
+    return assemble.build(world, {}, ["create"] * count, [f"herd-{k + 1}" for k in range(count)], poses_w, TIMESTEP)
+
+
+@pytest.mark.parametrize("name", WORLDS)
+class TestEveryWorld:
+    def test_says_where_its_numbers_come_from(self, name: str) -> None:
+        module = found.load("worlds", name, "world")
+        assert module.__doc__
+        assert all(d.about.source for d in declared(module.Parameters).values())
+
+    def test_compiles_with_robots_and_runs_a_second_without_a_warning(self, name: str) -> None:
+        world = built(name)
+        world.advance(to=100)
+        assert world.tick == 100
+        assert world.data.time == pytest.approx(1.0)
+        assert all(warning.number == 0 for warning in world.data.warning)
+        # robots that are told nothing stay: contacts settle within a tenth of a millimetre
+        assert_allclose(world.fleet.poses(world.data)[:, :2], [[0.0, 0.0], [2.0, 0.0]], atol=1e-3)
+
+
+@pytest.mark.parametrize("name", sorted(formations.FORMATIONS))
+class TestEveryFormation:
+    def test_members_stand_apart_inside_the_corridor(self, name: str) -> None:
+        half_width = corridor.Parameters().width_m / 2
+        for seed in range(20):
+            poses_w = formations.poses(name, 6, np.random.default_rng(seed))
+            gaps = np.hypot(*(poses_w[:, None, :2] - poses_w[None, :, :2]).transpose(2, 0, 1))
+            assert gaps[~np.eye(6, dtype=bool)].min() > create.DIAMETER
+            assert np.abs(poses_w[:, 1]).max() < half_width - create.RADIUS
+
+    def test_the_same_stream_gives_the_same_start(self, name: str) -> None:
+        first, second = (formations.poses(name, 6, np.random.default_rng(4)) for _ in range(2))
+        assert_allclose(first, second, rtol=0.0, atol=0.0)
+
+    @pytest.mark.parametrize("count", [1, 2, 3, 7, 30])
+    def test_any_count_gives_as_many_poses(self, name: str, count: int) -> None:
+        poses_w = formations.poses(name, count, np.random.default_rng(0))
+        assert poses_w.shape == (count, 3)
+        assert np.isfinite(poses_w).all()
+
+
+def test_an_unknown_formation_offers_the_nearest() -> None:
+    with pytest.raises(InputError, match="single-group"):
+        formations.poses("single-grup", 6, np.random.default_rng(0))
+
+
+class TestWalls:
+    @pytest.mark.parametrize("turn", [0.0, 0.3, 1.7])
+    def test_the_face_of_a_wall_lies_on_its_segment(self, turn: float) -> None:
+        """MuJoCo's own ray from inside a turned square meets each wall where the segment is."""
+        corners = [(math.cos(turn + k * math.pi / 2), math.sin(turn + k * math.pi / 2)) for k in range(4)]
+        spec = mujoco.MjSpec()
+        from worlds.walls import add_walls
+
+        add_walls(spec, Walls(closed(corners), 0.8))
+        model = spec.compile()
+        data = mujoco.MjData(model)
+        mujoco.mj_forward(model, data)
+        inradius = math.cos(math.pi / 4)
+        for k in range(4):
+            angle = turn + (k + 0.5) * math.pi / 2
+            direction = np.array([math.cos(angle), math.sin(angle), 0.0])
+            reach = mujoco.mj_ray(
+                model, data, np.array([0.0, 0.0, HEIGHT / 2]), direction, None, 1, -1, np.array([-1], dtype=np.int32)
+            )
+            # MuJoCo's ray against a box is exact to rounding
+            assert reach == pytest.approx(inradius, abs=1e-9)
+
+    def test_the_corridor_is_seven_robot_diameters_wide(self) -> None:
+        walls = corridor.walls(corridor.Parameters())
+        assert np.ptp(walls.segments[:, 1]) == pytest.approx(7 * create.DIAMETER)
+
+
+class TestContacts:
+    def test_a_robot_driven_against_another_touches_it_once(self) -> None:
+        world = built(gap=1.0)
+        world.fleet.command(0, 0.3, 0.0)
+        world.advance(to=400)
+        pairs = {(row[1], row[2]) for row in world.contacts}
+        assert pairs == {(0.0, 1.0)}
+        time, _, _, x, _ = world.contacts[0]
+        # the gap between the hulls is closed at 0.3 m/s after the wheels' ramp
+        assert (1.0 - create.DIAMETER) / 0.3 < time < (1.0 - create.DIAMETER) / 0.3 + 0.5
+        assert x == pytest.approx(1.0 - create.RADIUS, abs=0.01)
+
+    def test_a_wall_is_told_from_a_robot(self) -> None:
+        world = built()
+        world.fleet.command(1, 0.2, 1.0)
+        world.advance(to=157)
+        world.fleet.command(1, 0.3, 0.0)
+        world.advance(to=900)
+        assert {row[2] for row in world.contacts} == {-1.0}
+
+    def test_robots_that_touch_nobody_have_no_contact(self) -> None:
+        world = built()
+        world.advance(to=100)
+        assert world.contacts == []
