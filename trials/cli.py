@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import typer
 from typer import Argument, Option
@@ -21,11 +22,30 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 
+
+def _whole(low: int, high: int | None = None) -> Callable[[str], int]:
+    """A reader of whole numbers from `low` on that says what it was given."""
+
+    def read(text: str) -> int:
+        try:
+            number = int(text)
+        except ValueError:
+            number = low - 1
+        if number < low or (high is not None and number > high):
+            most = f" and at most {high}" if high is not None else ""
+            raise ValueError(f"{text!r}: expected a whole number of at least {low}{most}")
+        return number
+
+    return read
+
+
 Experiment = Annotated[str, Argument(help="Name of an experiment, see `herd list experiments`.")]
 Run = Annotated[Path | None, Argument(metavar="[DIR]", help="A run's folder; the newest one below runs/ by default.")]
-Repeats = Annotated[int | None, Option(min=1, help="Repeats of each cell; the experiment's own number by default.")]
-Seed = Annotated[int, Option(min=0, max=2**63 - 1, help="Of all random numbers.")]
-Jobs = Annotated[int | None, Option(min=1, help="Worker processes; all cores by default.")]
+Repeats = Annotated[
+    int | None, Option(parser=_whole(1), metavar="N", help="Repeats of each cell; the experiment's own by default.")
+]
+Seed = Annotated[int, Option(parser=_whole(0, 2**63 - 1), metavar="S", help="Of all random numbers.")]
+Jobs = Annotated[int | None, Option(parser=_whole(1), metavar="J", help="Worker processes; all cores by default.")]
 Law = Annotated[str | None, Option(help="Another law: its name or the path of your own file.")]
 Pipeline = Annotated[str | None, Option(help="Another member detection.")]
 Body = Annotated[str | None, Option(help="Another robot.")]
@@ -61,7 +81,10 @@ def show(
     settings: Settings = None,
     sweep: Sweeps = None,
 ) -> None:
-    """Shows every parameter with unit and source, published or chosen, and the trials that it will run."""
+    """Shows an experiment's parameters and trials.
+
+    Every parameter with its unit and source, published or chosen, and the trials that it will run.
+    """
     from trials import listing, options
     from trials.running import Asked, planned
 
@@ -93,7 +116,10 @@ def run(
     dry_run: Annotated[bool, Option("--dry-run", help="Only shows what would run.")] = False,
     debug: Annotated[bool, Option("--debug", help="With --only K: runs it here and shows its traceback.")] = False,
 ) -> int:
-    """Runs an experiment on all cores and reports; 1 is the exit code if a trial failed."""
+    """Runs an experiment on all cores and reports.
+
+    The exit code is 1 if a trial failed.
+    """
     from trials import listing, options, running
 
     asked = running.Asked(
@@ -129,7 +155,10 @@ def resume(folder: Run = None, jobs: Jobs = None) -> int:
 def report(
     folder: Run = None, json: Annotated[bool, Option("--json", help="Prints the list of claims as JSON.")] = False
 ) -> None:
-    """Sets the published beside the measured: a table, figures, one HTML page."""
+    """Sets the published beside the measured.
+
+    A table here, figures and one HTML page in the run's folder.
+    """
     from trials.report import report
 
     print(report(_run_folder(folder), as_json=json))
@@ -138,7 +167,9 @@ def report(
 @app.command()
 def play(
     folder: Run = None,
-    trial: Annotated[int | None, Option(min=1, help="Which trial; the first recorded one by default.")] = None,
+    trial: Annotated[
+        int | None, Option(parser=_whole(1), metavar="K", help="Which trial; the first recorded one by default.")
+    ] = None,
     web: Annotated[bool, Option("--web", help="In the browser instead of the viewer.")] = False,
 ) -> None:
     """Plays a trial's recording in Rerun."""
@@ -152,10 +183,13 @@ def play(
 def world(
     experiment: Experiment,
     out: Annotated[Path, Option(metavar="FILE", help="Where to write the MJCF.")],
-    repeat: Annotated[int, Option(min=1, help="Whose starting formation.")] = 1,
+    repeat: Annotated[int, Option(parser=_whole(1), metavar="R", help="Whose starting formation.")] = 1,
     settings: Settings = None,
 ) -> None:
-    """Writes an experiment's compiled world, which loads in any MuJoCo viewer."""
+    """Writes an experiment's world for MuJoCo's viewer.
+
+    The compiled world with its robots at their start; it loads in any MuJoCo viewer.
+    """
     from trials import options
     from trials.running import Asked, planned
     from trials.store import write_whole
@@ -184,7 +218,8 @@ def main() -> int:
         if len(sys.argv) == 1:
             sys.argv.append("--help")
         code = app(standalone_mode=False)
-        sys.stdout.flush()
+        if sys.stdout is not None:
+            sys.stdout.flush()
         return code if isinstance(code, int) else 0
     except InputError as error:
         return _refuse(str(error))
@@ -192,7 +227,7 @@ def main() -> int:
         print("herd: stopped", file=sys.stderr)
         return 130
     except typer.TyperException as error:
-        return _refuse(error.format_message())
+        return _refuse(_told(error.format_message()))
     except BrokenPipeError:  # whoever read our output has had enough
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
@@ -200,6 +235,17 @@ def main() -> int:
         if not error.strerror:
             raise
         return _refuse(f"{error.filename}: {error.strerror}" if error.filename else error.strerror)
+
+
+def _told(message: str) -> str:
+    """A usage error of Typer's in our words."""
+    if message.startswith("No such command") and "Did you mean" not in message:
+        message += f" Valid: {', '.join(command.name or '' for command in _commands())}."
+    return message.replace("Value error, ", "")
+
+
+def _commands() -> list[Any]:
+    return list(typer.main.get_group(app).commands.values())
 
 
 def _refuse(message: str) -> int:

@@ -59,16 +59,17 @@ def _names(kind: str) -> dict[str, str]:
         from trials.keys import valid
 
         modules = {name: modules[name] for name in valid(packages[kind])}
-    return {name: _first_line(module) for name, module in sorted(modules.items())}
+    return {name: _first_sentence(module) for name, module in sorted(modules.items())}
 
 
-def _first_line(module: str) -> str:
+def _first_sentence(module: str) -> str:
     """Of a module's docstring, read without running the module."""
     spec = importlib.util.find_spec(module)
     if spec is None or spec.origin is None:
         return ""
     text = ast.get_docstring(ast.parse(Path(spec.origin).read_text(encoding="utf-8"))) or ""
-    return text.partition("\n")[0]
+    paragraph = " ".join(text.partition("\n\n")[0].split())
+    return paragraph.partition(". ")[0].rstrip(".")
 
 
 def _trial(trial: Trial) -> tuple[str, ...]:

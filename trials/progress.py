@@ -18,7 +18,7 @@ LINE_EVERY_S = 5.0
 @contextmanager
 def shown(count: int, already: int = 0) -> Iterator[Progress]:
     """Progress of `count` trials, `already` of which had ended before."""
-    if sys.stderr.isatty():
+    if sys.stderr is not None and sys.stderr.isatty():
         with _bar(count, already) as bar:
             yield bar
     else:

@@ -66,6 +66,8 @@ def prepare(fill: Callable[[], None] | None = None) -> None:
 def imports() -> None:
     """Imports all that a trial needs."""
     import trials.loop
+    import trials.measures
+    import trials.recordings
     import trials.series  # noqa: F401
 
 
