@@ -1,0 +1,253 @@
+"""The drawings of a report, each a function from saved results to a Matplotlib figure. No display is needed.
+
+Matplotlib is imported where it is used: it takes long.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from flocking.types import Floats
+from trials.claims import Entry
+from trials.measures import ABOUT
+from trials.summary import Cell, mean, named
+from trials.types import TrialResult
+
+Canvas = Any
+"""A matplotlib.figure.Figure."""
+
+ROBOT_COLOURS = ("#1f77b4", "#d62728", "#2ca02c", "#9467bd", "#ff7f0e", "#17becf")
+SERIES_COLOURS = ("#0072b2", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#d55e00", "#999999", "#000000")
+"""Okabe and Ito's, which most readers can tell apart."""
+VERDICT_COLOURS = {True: "#0b7a34", False: "#b3261e", None: "#777777"}
+STYLE = {"font.size": 8, "axes.spines.top": False, "axes.spines.right": False, "svg.fonttype": "none"}
+MOST_ARROWS = 12
+
+
+class Figure(NamedTuple):
+    """A figure on disk."""
+
+    name: str
+    title: str
+    caption: str
+    path: Path
+    """An .svg, or a .png where there are very many dots."""
+
+
+def save(canvas: Canvas, folder: Path, name: str, title: str, caption: str, dots: bool = False) -> Figure:
+    """Writes a drawing to `folder`/figures; equal drawings are equal bytes."""
+    import matplotlib as mpl
+
+    path = folder / "figures" / f"{name}.{'png' if dots else 'svg'}"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with mpl.rc_context({**STYLE, "svg.hashsalt": name}):  # ids differ from figure to figure on one page
+        canvas.savefig(path, dpi=140, metadata=None if dots else {"Date": None})
+    return Figure(name, title, caption, path)
+
+
+def inputs_over_time(panels: Sequence[tuple[str, TrialResult | None]]) -> Canvas:
+    """Distances of all inputs over time, one panel a trial: one dot an input, one colour a robot.
+
+    As figures 2.6 to 2.9 of Fine 2015. A panel whose trial is None says so.
+    """
+    columns = min(2, len(panels))
+    canvas, axes = _grid(len(panels), columns, width=8.4, height=2.3, share=True)
+    for axis, (title, result) in zip(axes, panels, strict=True):
+        axis.set_title(title, loc="left")
+        if result is None:
+            _absent(axis)
+            continue
+        updates = result.updates
+        of_update = np.repeat(np.arange(len(updates.times)), np.diff(updates.input_starts))
+        positions = updates.input_positions.astype(np.float64)
+        distances, who = np.hypot(positions[:, 0], positions[:, 1]), updates.robots[of_update]
+        times, made_up = updates.times[of_update], updates.input_owners < 0
+        for robot, colour in zip(range(len(result.robot_names)), itertools.cycle(ROBOT_COLOURS), strict=False):
+            own = (who == robot) & ~made_up
+            axis.plot(times[own], distances[own], ",", color=colour, rasterized=True)
+        axis.plot(times[made_up], distances[made_up], ".", ms=1.2, color="black", rasterized=True)
+        axis.set_ylim(bottom=0.0)
+    for axis in axes[-columns:]:
+        axis.set_xlabel("time (s)")
+    for axis in axes[::columns]:
+        axis.set_ylabel("distance of inputs (m)")
+    return canvas
+
+
+def trajectories(panels: Sequence[tuple[str, TrialResult | None]], columns: int = 3) -> Canvas:
+    """The ways of all robots, seen from above; a dot where each ends."""
+    canvas, axes = _grid(len(panels), columns, width=9.6, height=1.5, share=True)
+    for axis, (title, result) in zip(axes, panels, strict=True):
+        axis.set_title(title, loc="left")
+        if result is None:
+            _absent(axis)
+            continue
+        positions = result.poses_w[..., :2]
+        _walls(axis, result, positions)
+        for robot, colour in zip(range(positions.shape[1]), itertools.cycle(ROBOT_COLOURS), strict=False):
+            way = positions[::5, robot]
+            axis.plot(way[:, 0], way[:, 1], color=colour, lw=0.7)
+            axis.plot(*positions[-1, robot], "o", color=colour, ms=3)
+        axis.set_aspect("equal", adjustable="box")
+    for axis in axes[-columns:]:
+        axis.set_xlabel("x (m)")
+    return canvas
+
+
+def formations(rows: Sequence[tuple[str, Sequence[tuple[str, TrialResult | None, float]]]]) -> Canvas:
+    """Formations at single moments: rows of (title, panels), each panel (title, trial, share of its
+    duration).
+
+    Robots as discs of their true size, with a stroke along their heading, about the herd's centre.
+    """
+    from matplotlib.collections import EllipseCollection, LineCollection
+
+    columns = max(len(panels) for _, panels in rows)
+    canvas, axes = _grid(len(rows) * columns, columns, width=9.6, height=1.9)
+    for line, (title, panels) in enumerate(rows):
+        for column in range(columns):
+            axis = axes[line * columns + column]
+            axis.set_aspect("equal", adjustable="box")
+            axis.set_xticks([])
+            axis.set_yticks([])
+            if column >= len(panels):
+                axis.set_axis_off()
+                continue
+            caption, result, share = panels[column]
+            axis.set_title(caption if line == 0 else "", loc="left")
+            if column == 0:
+                axis.set_ylabel(title)
+            if result is None:
+                _absent(axis)
+                continue
+            poses = result.poses_w[round(share * (len(result.times) - 1))]
+            centre = poses[:, :2].mean(axis=0)
+            noses = poses[:, :2] + result.radii[:, None] * np.stack([np.cos(poses[:, 2]), np.sin(poses[:, 2])], 1)
+            colours = [ROBOT_COLOURS[k % len(ROBOT_COLOURS)] for k in range(len(poses))]
+            sizes = 2.0 * result.radii
+            axis.add_collection(
+                EllipseCollection(
+                    sizes,
+                    sizes,
+                    np.zeros(len(poses)),
+                    units="xy",
+                    offsets=poses[:, :2],
+                    transOffset=axis.transData,
+                    facecolors=colours,
+                    alpha=0.6,
+                )
+            )
+            axis.add_collection(LineCollection(list(np.stack([poses[:, :2], noses], axis=1)), colors="black", lw=0.8))
+            reach = max(1.2, 1.1 * float(np.abs(poses[:, :2] - centre).max()) + float(result.radii.max()))
+            _walls(axis, result, poses[None, :, :2])
+            axis.set_xlim(centre[0] - reach, centre[0] + reach)
+            axis.set_ylim(centre[1] - 0.8 * reach, centre[1] + 0.8 * reach)
+            axis.text(0.98, 0.02, f"{2 * reach:.1f} m wide", transform=axis.transAxes, ha="right", fontsize=6)
+    return canvas
+
+
+def forest(entries: Sequence[Entry]) -> Canvas:
+    """Every tested outcome of the claims with its interval, in units of its margin; open dots have no say."""
+    from matplotlib.figure import Figure as Blank
+
+    lines = [(entry, outcome) for entry in entries for outcome in entry.outcomes]
+    canvas = Blank(figsize=(9.6, 0.8 + 0.17 * max(1, len(lines))), layout="constrained")
+    axis = canvas.add_subplot()
+    axis.axvspan(-1, 1, color="#eeeeee", zorder=0)
+    axis.axvline(0, color="#999999", lw=0.6)
+    labels, edge = [], 6.0
+    for at, (entry, outcome) in enumerate(lines):
+        middle, low, high = outcome.in_margins()
+        colour = VERDICT_COLOURS[outcome.decision.agrees]
+        if np.isfinite([low, high]).all():
+            axis.plot(np.clip([low, high], -edge, edge), [at, at], color=colour, lw=1.2)
+        if np.isfinite(middle):
+            mark = "o" if abs(middle) < edge else "<" if middle < 0 else ">"
+            face = colour if outcome.decides else "white"
+            axis.plot(np.clip(middle, -edge, edge), at, mark, color=colour, markerfacecolor=face, ms=3.5)
+        labels.append(f"{entry.quantity.split(':')[0].removeprefix('claim ')}  {outcome.label}")
+        if at and lines[at - 1][0] is not entry:
+            axis.axhline(at - 0.5, color="#cccccc", lw=0.4)
+    axis.set_yticks(range(len(lines)), labels, fontsize=6)
+    axis.set_ylim(len(lines) - 0.5, -0.5)
+    axis.set_xlim(-edge - 0.3, edge + 0.3)
+    axis.set_xlabel("measured, less its threshold, in units of the margin (clipped)")
+    return canvas
+
+
+def measures_by_cell(cells: Sequence[Cell], measures: Sequence[str]) -> Canvas:
+    """Means with their 95 % intervals over the numeric condition with most values; a line for each of the
+    rest."""
+    axis_key, lines = _lines(cells)
+    canvas, axes = _grid(len(measures), min(4, len(measures)), width=9.6, height=2.0)
+    for axis, measure in zip(axes, measures, strict=True):
+        unit = ABOUT[measure].unit if measure in ABOUT else ""
+        axis.set_title(f"{measure} ({unit})" if unit else measure, loc="left")
+        for rank, (label, points) in enumerate(lines.items()):
+            colour = SERIES_COLOURS[rank % len(SERIES_COLOURS)]
+            x = np.array([at for at, _ in points])
+            means = [mean(cell, measure) for _, cell in points]
+            middle = np.array([m.measured for m in means])
+            ends = np.array([[m.low, m.high] for m in means])
+            nudged = x + 0.01 * rank * (np.ptp(x) or 1.0)
+            axis.plot(nudged, middle, "-o", color=colour, ms=2.5, lw=0.8, label=label)
+            axis.vlines(nudged, ends[:, 0], ends[:, 1], color=colour, lw=0.8)
+        if measure == "smoothness" and any((c.measures.get(measure, np.zeros(1)) > 0).any() for c in cells):
+            axis.set_yscale("log")
+        if axis_key:
+            axis.set_xlabel(axis_key.rsplit(".", 1)[-1])
+    if 1 < len(lines) <= 12:
+        handles, labels = axes[0].get_legend_handles_labels()
+        canvas.legend(handles, labels, loc="outside upper center", ncols=min(4, len(lines)), frameon=False)
+    return canvas
+
+
+def _lines(cells: Sequence[Cell]) -> tuple[str | None, dict[str, list[tuple[float, Cell]]]]:
+    """The numeric condition for the x axis, and for each combination of the others its points along it."""
+    values: dict[str, set[float]] = {}
+    for cell in cells:
+        for key, value in cell.conditions.items():
+            if isinstance(value, int | float) and not isinstance(value, bool):
+                values.setdefault(key, set()).add(float(value))
+    longest: str | None = max(values, key=lambda k: len(values[k]), default=None)
+    lines: dict[str, list[tuple[float, Cell]]] = {}
+    for rank, cell in enumerate(cells):
+        others: Mapping[str, Any] = {k: v for k, v in cell.conditions.items() if k != longest}
+        at = float(cell.conditions[longest]) if longest in cell.conditions else float(rank)
+        lines.setdefault(named(others), []).append((at, cell))
+    return longest, {label: sorted(points, key=lambda point: point[0]) for label, points in lines.items()}
+
+
+def _grid(count: int, columns: int, width: float, height: float, share: bool = False) -> tuple[Canvas, list[Any]]:
+    """A figure with `count` axes in rows of `columns`; width of all and height of a row in inches."""
+    import matplotlib as mpl
+    from matplotlib.figure import Figure as Blank
+
+    with mpl.rc_context(STYLE):
+        rows = -(-count // columns)
+        canvas = Blank(figsize=(width, height * rows + 0.4), layout="constrained")
+        axes = canvas.subplots(rows, columns, squeeze=False, sharex=share, sharey=share).ravel().tolist()
+    for axis in axes[count:]:
+        axis.set_axis_off()
+    return canvas, axes[:count]
+
+
+def _walls(axis: Any, result: TrialResult, positions: Floats) -> None:
+    """Draws the walls, clipped to where the robots are."""
+    if not len(result.walls_w):
+        return
+    from matplotlib.collections import LineCollection
+
+    low, high = np.nanmin(positions, axis=(0, 1)) - 1.0, np.nanmax(positions, axis=(0, 1)) + 1.0
+    axis.add_collection(LineCollection(list(result.walls_w.reshape(-1, 2, 2)), colors="#555555", lw=0.8), autolim=False)
+    axis.set_xlim(low[0], high[0])
+    axis.set_ylim(low[1] - 0.5, high[1] + 0.5)
+
+
+def _absent(axis: Any) -> None:
+    axis.text(0.5, 0.5, "no such trial", transform=axis.transAxes, ha="center", va="center", color="#999999")
