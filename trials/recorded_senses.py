@@ -12,19 +12,19 @@ from trials.columns import in_world, nanoseconds, packed, series, spans, times_c
 from trials.measures import nearest_inputs
 from trials.types import TrialResult, Updates
 
-FALSE_COLOUR = 0xFF2D55FF
+FALSE_COLOUR = 0xFF3B30FF
 NO_INTENSITY_COLOUR = 0x8A8F98FF
 INTENSITY_STOPS = np.array([0.0, 0.35, 0.6, 0.8, 1.0])
 INTENSITY_COLOURS = np.array([[58, 70, 110], [70, 120, 180], [88, 200, 180], [250, 210, 90], [255, 255, 240]])
-INTENSITY_DECADES = (-2.0, 1.0)
-"""Intensities from 0.01 to 10 times that of a white surface at 1 m spread over the colours, by their logarithm."""
+INTENSITY_DECADES = (-1.5, 3.5)
+"""Intensities from 0.03 to 3000 times that of a white surface at 1 m spread over the colours, by their logarithm."""
 INTENSITY_LEVELS = 32
 """Few, so that neighbouring beams often have the same colour and the file packs well."""
 DENSE_INPUTS = 10
 """Where a law was given more inputs an update than this on average, and only some scans are kept, only the
 inputs at the kept scans are recorded: they are points of those scans, and the file stays small."""
 SPARSE_INPUTS = 32
-"""Of those, an update shows at most about this many, evenly picked, and every false positive."""
+"""Of those, at most this many an update, evenly picked: drawn, they overlap anyway."""
 
 
 def send_updates(recording: rr.RecordingStream, result: TrialResult) -> None:
@@ -117,7 +117,7 @@ def _shown_inputs(result: TrialResult) -> tuple[Bools, Bools]:
     counts = np.diff(updates.input_starts)
     strides = -(-counts // SPARSE_INPUTS)
     places = np.arange(len(picked)) - np.repeat(updates.input_starts[:-1], counts)
-    picked = (places % np.repeat(np.maximum(strides, 1), counts) == 0) | (updates.input_owners < 0)
+    picked = places % np.repeat(np.maximum(strides, 1), counts) == 0
     return shown, picked
 
 
@@ -133,10 +133,13 @@ def send_scans(recording: rr.RecordingStream, result: TrialResult) -> None:
             continue
         ranges, poses = scans.ranges[mine], scans.poses_w[mine]
         hit = np.isfinite(ranges)
-        points = scan_points(ranges, poses, directions)[hit]
+        levels = intensity_levels(scans.intensities[mine])
+        order = np.argsort(levels, axis=1, kind="stable")  # equal colours side by side pack to almost nothing
+        hit, levels = np.take_along_axis(hit, order, 1), np.take_along_axis(levels, order, 1)
+        points = np.take_along_axis(scan_points(ranges, poses, directions), order[..., None], 1)[hit]
         entity = f"world/scans/{name}"
         recording.log(entity, rr.Points2D.from_fields(radii=[0.012], draw_order=8.0), static=True)
-        columns = rr.Points2D.columns(positions=points, colors=intensity_colours(scans.intensities[mine][hit]))
+        columns = rr.Points2D.columns(positions=points, colors=INTENSITY_PALETTE[levels[hit]])
         recording.send_columns(entity, [times_column(scans.times[mine])], columns.partition(hit.sum(axis=1)))
 
 
@@ -153,23 +156,20 @@ def scan_points(ranges: NDArray[np.float32], poses_w: Floats, directions: NDArra
     return points
 
 
-def intensity_colours(intensities: NDArray[np.float32]) -> NDArray[np.uint32]:
-    """(…,) packed colours, dark blue for dim to white for bright; grey for nan."""
+def intensity_levels(intensities: NDArray[np.float32]) -> NDArray[np.uint8]:
+    """(…,) row of `INTENSITY_PALETTE` for each intensity."""
     low, high = INTENSITY_DECADES
     with np.errstate(divide="ignore", invalid="ignore"):
         share = (np.log10(intensities) - np.float32(low)) * np.float32(1.0 / (high - low))
-    level = np.nan_to_num(share, nan=2.0, posinf=1.0, neginf=0.0)
-    unknown = level == 2.0
-    level = (np.clip(level, 0.0, 1.0) * np.float32(INTENSITY_LEVELS - 1) + np.float32(0.5)).astype(np.intp)
-    level[unknown] = INTENSITY_LEVELS
-    return _INTENSITY_TABLE[level]
+        levels = np.clip(share, 0.0, 1.0) * np.float32(INTENSITY_LEVELS - 1) + np.float32(0.5)
+        return np.where(np.isnan(levels), INTENSITY_LEVELS, levels).astype(np.uint8)
 
 
-def _intensity_table() -> NDArray[np.uint32]:
+def _intensity_palette() -> NDArray[np.uint32]:
     """(INTENSITY_LEVELS + 1,) packed colours; the last is that of no intensity."""
     at = np.linspace(0.0, 1.0, INTENSITY_LEVELS)
     red, green, blue = (np.interp(at, INTENSITY_STOPS, channel).astype(np.uint32) for channel in INTENSITY_COLOURS.T)
     return np.append((red << 24) | (green << 16) | (blue << 8) | 0xFF, NO_INTENSITY_COLOUR).astype(np.uint32)
 
 
-_INTENSITY_TABLE = _intensity_table()
+INTENSITY_PALETTE = _intensity_palette()

@@ -5,7 +5,7 @@ Entities (times on the timeline `time`, s; lengths in metres, world frame):
     world                       static transform: the viewer's plane has y downwards, ours upwards
     world/walls, world/paths    the walls; the whole way of each robot
     world/robots/ROBOT          its pose over time; below it what moves with it: body, heading, bumpers pressed
-    world/trails/ROBOT          the way, step by step (the layout shows the last seconds of it)
+    world/trails                the same piece by piece (the layout shows the last seconds of it)
     world/scans/ROBOT           returns, coloured by intensity (grey where it was not given)
     world/members/ROBOT         the inputs to the law; false positives in a colour of their own
     world/way_points/ROBOT      from the robot to its way-point, in the colour of the rule that spoke
@@ -35,12 +35,14 @@ from trials.types import TrialResult
 
 APPLICATION = "create-herd"
 
-WALL_COLOUR = 0xC9D1D9FF
+WALL_COLOUR = 0x6E7B8BFF
 PATH_ALPHA = 0x50
-BODY_COLOUR = 0x1B2230FF
-CONTACT_COLOUR = 0xFF5C5CFF
+HEADING_COLOUR = 0xF5F7FAFF
+CONTACT_COLOUR = 0xFFFFFFFF
 TRAIL_SAMPLES = 5
 """Samples of a robot's way that are drawn in one piece."""
+PLOT_SAMPLES = 2
+"""Samples from one point of a plot to the next."""
 FOLLOW_S = 2.0
 """Time over which the centre of the herd is averaged for the view that follows it."""
 SHARE_S = 1.0
@@ -63,7 +65,8 @@ def write(result: TrialResult, path: Path) -> None:
             send_properties=False,
         )
         try:
-            recording.save(path, default_blueprint=screen.blueprint(result))
+            recording.save(path)
+            recording.send_blueprint(screen.blueprint(result))  # active: an older layout must not stay
             recording.send_recording_name(f"{trial.experiment} {trial.index}")
             _world(recording, result)
             _robots(recording, result)
@@ -92,66 +95,67 @@ def _world(recording: rr.RecordingStream, result: TrialResult) -> None:
 
 
 def _robots(recording: rr.RecordingStream, result: TrialResult) -> None:
-    """Poses, bodies, trails, and the view that follows the herd."""
-    poses = result.poses_w
-    count = len(result.times)
-    times = [times_column(result.times)]
+    """Poses, bodies, ways, and the view that follows the herd."""
+    sound = np.isfinite(result.poses_w).all(axis=(1, 2))
+    times, poses = result.times[sound], result.poses_w[sound]
     colours = screen.robot_colours(len(result.robot_names))
-    flat = poses.copy()
-    flat[..., 2] = 0.0
+    flat = np.concatenate([poses[..., :2], np.zeros_like(poses[..., :1])], axis=2).astype(np.float32)
     turned = np.zeros((*poses.shape[:2], 4), dtype=np.float32)
     turned[..., 2], turned[..., 3] = np.sin(poses[..., 2] / 2.0), np.cos(poses[..., 2] / 2.0)
     for k, name in enumerate(result.robot_names):
-        robot, radius, colour = f"world/robots/{name}", float(result.radii[k]), packed([colours[k]])
-        recording.log(
-            f"{robot}/body",
-            [
-                *rr.Points2D(
-                    [[0.0, 0.0]], radii=[radius], colors=packed([BODY_COLOUR]), draw_order=5.0
-                ).as_component_batches(),
-                *rr.Ellipses2D(
-                    half_sizes=[[radius, radius]],
-                    centers=[[0.0, 0.0]],
-                    line_radii=[0.014],
-                    colors=colour,
-                    labels=[name],
-                    draw_order=20.0,
-                ).as_component_batches(),
-            ],
-            static=True,
-        )
-        heading = rr.Arrows2D(
-            origins=[[0.0, 0.0]], vectors=[[1.5 * radius, 0.0]], colors=colour, radii=[0.014], draw_order=21.0
-        )
-        recording.log(f"{robot}/heading", heading, static=True)
-        if count:
-            recording.send_columns(
-                robot, times, rr.Transform3D.columns(translation=flat[:, k].astype(np.float32), quaternion=turned[:, k])
-            )
-        _trail(recording, f"world/trails/{name}", result.times, poses[:, k, :2], colour)
+        robot = f"world/robots/{name}"
+        _body(recording, robot, name, float(result.radii[k]), packed([colours[k]]))
+        if len(times):
+            columns = rr.Transform3D.columns(translation=flat[:, k], quaternion=turned[:, k])
+            recording.send_columns(robot, [times_column(times)], columns)
         _bumpers(recording, result, k)
-    if count:
-        paths = [np.ascontiguousarray(poses[:, k, :2], dtype=np.float32) for k in range(len(result.robot_names))]
-        faint = (colours & np.uint32(0xFFFFFF00)) | np.uint32(PATH_ALPHA)
-        recording.log("world/paths", rr.LineStrips2D(paths, colors=faint, radii=[0.006]), static=True)
-        centre = np.zeros((count, 3), dtype=np.float32)
-        centre[:, 0], centre[:, 1] = (_averaged(poses[..., i].mean(axis=1), result.times) for i in (0, 1))
+    if len(times):
+        _ways(recording, times, flat[..., :2], colours)
+        centre = np.zeros((len(times), 3), dtype=np.float32)
+        centre[:, 0], centre[:, 1] = (_averaged(poses[..., i].mean(axis=1), times) for i in (0, 1))
         centre[:, 1] *= -1.0
-        recording.send_columns("herd", times, rr.Transform3D.columns(translation=centre))
+        recording.send_columns("herd", [times_column(times)], rr.Transform3D.columns(translation=centre))
 
 
-def _trail(
-    recording: rr.RecordingStream, entity: str, times: Floats, positions: Floats, colour: NDArray[np.uint32]
+def _body(recording: rr.RecordingStream, robot: str, name: str, radius: float, colour: NDArray[np.uint32]) -> None:
+    """What stands still in the robot's frame: a disc with its name, and an arrow ahead.
+
+    Two entities: on one, the viewer gives the disc's label to the arrow as well, and at the wrong place.
+    """
+    disc = rr.Points2D([[0.0, 0.0]], radii=[radius], colors=colour, labels=[name], draw_order=20.0)
+    ahead = rr.Arrows2D(
+        origins=[[0.0, 0.0]],
+        vectors=[[1.5 * radius, 0.0]],
+        colors=packed([HEADING_COLOUR]),
+        radii=[0.016],
+        draw_order=21.0,
+    )
+    recording.log(f"{robot}/body", disc, static=True)
+    recording.log(f"{robot}/heading", ahead, static=True)
+
+
+def _ways(
+    recording: rr.RecordingStream,
+    times: Floats,
+    positions: NDArray[np.float32],
+    colours: NDArray[np.uint32],
 ) -> None:
-    """The way of one robot cut into pieces of `TRAIL_SAMPLES` samples, each a row at the time of its end."""
+    """The whole way of each robot, faint, and the same cut into pieces, each at the time of its end."""
+    robots = positions.shape[1]
+    faint = (colours & np.uint32(0xFFFFFF00)) | np.uint32(PATH_ALPHA)
+    paths = [np.ascontiguousarray(positions[:, k]) for k in range(robots)]
+    recording.log("world/paths", rr.LineStrips2D(paths, colors=faint, radii=[0.006]), static=True)
     pieces = (len(times) - 1) // TRAIL_SAMPLES
     if pieces < 1:
         return
     rows = np.arange(pieces)[:, None] * TRAIL_SAMPLES + np.arange(TRAIL_SAMPLES + 1)
-    strips = positions[rows].astype(np.float32)
-    style = rr.LineStrips2D.from_fields(colors=colour, radii=[0.012], draw_order=4.0)
-    recording.log(entity, style, static=True)
-    recording.send_columns(entity, [times_column(times[rows[:, -1]])], rr.LineStrips2D.columns(strips=strips))
+    strips = positions[rows].transpose(0, 2, 1, 3).reshape(pieces * robots, TRAIL_SAMPLES + 1, 2)
+    style = rr.LineStrips2D.from_fields(colors=colours, radii=[0.012], draw_order=4.0)
+    recording.log("world/trails", style, static=True)
+    columns = rr.LineStrips2D.columns(strips=np.ascontiguousarray(strips))
+    recording.send_columns(
+        "world/trails", [times_column(times[rows[:, -1]])], columns.partition(np.full(pieces, robots))
+    )
 
 
 def _bumpers(recording: rr.RecordingStream, result: TrialResult, k: int) -> None:
@@ -163,7 +167,7 @@ def _bumpers(recording: rr.RecordingStream, result: TrialResult, k: int) -> None
     changed = np.ones(len(pressed), dtype=bool)
     changed[1:] = (pressed[1:] != pressed[:-1]).any(axis=1)
     times, rows = [times_column(result.times[changed])], pressed[changed]
-    bearings = np.radians(np.linspace(5.0, 85.0, 9))
+    bearings = np.radians(np.linspace(5.0, 85.0, 6))
     left = radius * np.stack([np.cos(bearings), np.sin(bearings)], axis=1)
     arcs = np.stack([left, left * np.array([1.0, -1.0])]).astype(np.float32)
     strips = arcs[np.nonzero(rows)[1]]
@@ -195,7 +199,7 @@ def _contacts(recording: rr.RecordingStream, result: TrialResult) -> None:
 def _plots(recording: rr.RecordingStream, result: TrialResult) -> None:
     """The measures over time, and the share of each rule."""
     sound = np.isfinite(result.poses_w).all(axis=(1, 2))
-    times, poses = result.times[sound], result.poses_w[sound]
+    times, poses = result.times[sound][::PLOT_SAMPLES], result.poses_w[sound][::PLOT_SAMPLES]
     if len(times):
         positions = poses[..., :2]
         series(

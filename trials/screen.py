@@ -52,11 +52,11 @@ def blueprint(result: TrialResult) -> rrb.Blueprint:
         name="Plan, following the herd",
         background=[14, 17, 23],
         visual_bounds=rrb.VisualBounds2D(x_range=(-half_width, half_width), y_range=(-half_height, half_height)),
-        overrides=_time_windows(result),
+        overrides={"world/trails": _window(TRAIL_S), "world/contacts": _window(CONTACT_S)},
     )
     whole = rrb.Spatial2DView(
         origin="/",
-        contents=[*plan, "- /world/scans/**", "- /world/members/**", "- /world/way_points/**", "- /world/trails/**"],
+        contents=[*plan, "- /world/scans/**", "- /world/members/**", "- /world/way_points/**", "- /world/trails"],
         name="Whole way",
         background=[14, 17, 23],
         visual_bounds=rrb.VisualBounds2D(x_range=(low[0], high[0]), y_range=(-high[1], -low[1])),
@@ -80,7 +80,7 @@ def blueprint(result: TrialResult) -> rrb.Blueprint:
     ]
     return rrb.Blueprint(
         rrb.Horizontal(
-            rrb.Vertical(close, whole, states, row_shares=[5, 1.6, 2.4]),
+            rrb.Vertical(close, whole, states, row_shares=[5, 1.3, 2.9]),
             rrb.Vertical(*plots, row_shares=[1, 1, 1, 1, 1.7]),
             column_shares=[2, 1],
         ),
@@ -130,19 +130,14 @@ def _window(seconds: float) -> rrb.VisibleTimeRanges:
     )
 
 
-def _time_windows(result: TrialResult) -> dict[str, rrb.VisibleTimeRanges]:
-    trails = {f"world/trails/{name}": _window(TRAIL_S) for name in result.robot_names}
-    return {**trails, "world/contacts": _window(CONTACT_S)}
-
-
 def _reach(result: TrialResult) -> tuple[float, float]:
-    """Half width and height (m) of the view that follows: the herd at its widest, within bounds."""
+    """Half width and height (m) of the view that follows: the usual width of the herd, within bounds."""
     positions = result.poses_w[np.isfinite(result.poses_w).all(axis=(1, 2)), :, :2]
     if positions.size == 0:
         return 3.0, 1.6
     spread = np.abs(positions - positions.mean(axis=1, keepdims=True)).max(axis=1)
-    width, height = np.quantile(spread, 0.9, axis=0) + 0.8
-    return float(np.clip(width, 2.5, 20.0)), float(np.clip(height, 1.6, 20.0))
+    width, height = np.median(spread, axis=0) + 0.6
+    return float(np.clip(width, 2.5, 6.0)), float(np.clip(height, 1.4, 6.0))
 
 
 def _ground(result: TrialResult) -> tuple[Floats, Floats]:
