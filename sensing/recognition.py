@@ -21,10 +21,10 @@ from sensing.templates import make_templates
 from sensing.types import NOBODY, Detection
 from sensing.warping import nearest_shape, warp_rows
 
-SAMPLES = 16
-"""Readings to which each segment is resampled; choice (not published)."""
-BAND = 3
-"""Samples by which the warping may run ahead; choice (not published)."""
+SAMPLES, BAND = 8, 1
+"""Readings to which each segment is resampled, and samples by which the warping may run ahead. Neither is published;
+`python -m scripts.calibrate_detection` compares: fewer samples average more noise out, and the even stretch of time
+leaves little to warp."""
 
 
 class Parameters(NamedTuple):
@@ -32,11 +32,11 @@ class Parameters(NamedTuple):
 
     split_m: Annotated[
         float, Parameter("m", "python -m scripts.calibrate_detection; Fine 2015, section 2.3.1", low=0.0)
-    ] = 0.3
-    """Consecutive readings further apart than this belong to different segments."""
+    ] = 0.05
+    """Consecutive readings further apart than this belong to different segments; beyond 1 m in proportion to range."""
     threshold_m: Annotated[
         float, Parameter("m", "python -m scripts.calibrate_detection; Fine 2015, section 2.3.1", low=0.0)
-    ] = 0.04
+    ] = 0.0265
     """A segment is a member if its warping cost is at most this."""
 
 
@@ -45,6 +45,7 @@ class Recogniser(NamedTuple):
 
     split_m: float
     threshold_m: float
+    band: int
     mount_x: float
     mount_y: float
     directions: Floats
@@ -66,7 +67,12 @@ class Recogniser(NamedTuple):
 
 
 def recogniser(
-    parameters: Parameters, member_model: mujoco.MjModel, member_height_m: float, angles: Floats
+    parameters: Parameters,
+    member_model: mujoco.MjModel,
+    member_height_m: float,
+    angles: Floats,
+    samples: int = SAMPLES,
+    band: int = BAND,
 ) -> Recogniser:
     """A recogniser for scans with these beams `angles` (B,) rad and members like the robot in
     `member_model`."""
@@ -76,16 +82,17 @@ def recogniser(
     return Recogniser(
         float(parameters.split_m),
         float(parameters.threshold_m),
+        band,
         mount_x,
         mount_y,
         beam_directions(angles, yaw),
-        make_templates(member_model, member_height_m, step_rad, SAMPLES, BAND),
+        make_templates(member_model, member_height_m, step_rad, samples, band),
         np.zeros((beams, 2)),
         np.zeros(beams, np.int64),
         np.zeros(beams + 1, np.int64),
         np.zeros(beams + 1, np.int64),
-        np.zeros((SAMPLES, 2)),
-        warp_rows(SAMPLES),
+        np.zeros((samples, 2)),
+        warp_rows(samples),
     )
 
 
@@ -100,6 +107,7 @@ def _recognise(
     ranges: Floats,
     split_m: float,
     threshold_m: float,
+    band: int,
     mount_x: float,
     mount_y: float,
     directions: Floats,
@@ -121,7 +129,7 @@ def _recognise(
     for s in range(segments):
         start, end = starts[s], starts[s + 1]
         shape_of(points, readings, start, end, mount_x, mount_y, shape)
-        if nearest_shape(shape, templates, BAND, threshold_m, threshold_m, rows) <= threshold_m:
+        if nearest_shape(shape, templates, band, threshold_m, threshold_m, rows) <= threshold_m:
             kept[members] = s
             members += 1
             foreground += end - start

@@ -3,9 +3,11 @@
 Which readings count (codes of REP 117, as in `sensing.types.Scan`):
 - a finite range is a reading;
 - nan (an error of the sensor) says nothing: it is skipped, and the readings on its two sides are consecutive;
-- inf and −inf (no return, too near) say that no surface was measured there: a run of them splits, unless it
-  is as short as `BRIDGE` beams, since single readings drop out on a whole surface too. The distance that
-  splits is the one between the two points, not between the two ranges.
+- inf and −inf (no return, too near) say that no surface was measured there: they split.
+
+The distance that splits is the one between the two points, not between the two ranges. Its limit grows with the range
+as the laser's noise does: otherwise a member that is whole at 1 m would fall to pieces at 4 m, or two near ones would
+be taken for one.
 """
 
 from __future__ import annotations
@@ -19,7 +21,9 @@ from flocking.compilation import compiled
 from flocking.errors import InputError
 from flocking.types import Floats, Ints
 
-BRIDGE = 1  # beams; choice: one reading lost on a surface does not split it
+EVEN_M = 1.0
+"""Up to this range the noise is constant, beyond in proportion to it. S: URG-04LX-UG01 data sheet, ±30 mm up to 1 m,
+then ±3 %."""
 SITE = "laser"
 """The site of a robot's model that is its laser."""
 
@@ -61,29 +65,28 @@ def split(
     """Points of all readings and where each segment starts; returns (number of segments, number of readings).
 
     Writes into preallocated arrays: `points` (B, 2) m, body frame, one a beam; `readings` (B,) the beams that
-    hold a reading, in order; `starts` (B + 1,): segment s is `readings[starts[s]:starts[s + 1]]`. The limit
-    is inclusive: points exactly `split_m` apart stay together.
+    hold a reading, in order; `starts` (B + 1,): segment s is `readings[starts[s]:starts[s + 1]]`. Two
+    points are far apart beyond `split_m`, or beyond `split_m / EVEN_M` times the range of the nearer one.
     """
-    limit = split_m * split_m
-    segments, kept, silent = 0, 0, 0
-    last_x, last_y = 0.0, 0.0
+    segments, kept, silent = 0, 0, False
+    last_x, last_y, last_range = 0.0, 0.0, 0.0
     for beam in range(len(ranges)):
         distance = ranges[beam]
         if not math.isfinite(distance):
-            if math.isinf(distance):
-                silent += 1
+            silent |= math.isinf(distance)
             continue
         x = mount_x + distance * directions[beam, 0]
         y = mount_y + distance * directions[beam, 1]
         gap = (x - last_x) * (x - last_x) + (y - last_y) * (y - last_y)
-        if kept == 0 or silent > BRIDGE or gap > limit:
+        limit = split_m * max(1.0, min(distance, last_range) / EVEN_M)
+        if kept == 0 or silent or gap > limit * limit:
             starts[segments] = kept
             segments += 1
         points[beam, 0] = x
         points[beam, 1] = y
         readings[kept] = beam
         kept += 1
-        last_x, last_y, silent = x, y, 0
+        last_x, last_y, last_range, silent = x, y, distance, False
     starts[segments] = kept
     return segments, kept
 

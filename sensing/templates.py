@@ -19,8 +19,10 @@ from sensing.segments import beam_directions, shape_of
 from sensing.slice import slice_at
 from sensing.warping import nearest_shape, warp_rows
 
-CLEARANCES_M = (0.05, 0.2, 0.5, 1.0, 2.0, 4.0)
-"""m between the laser and the member's outline, up to the sensor's range; choice."""
+DISTANCES = 6
+"""From two alike that touch, outline to outline, to the laser's range, evenly in the logarithm; choice."""
+FARTHEST_M = 5.6
+"""m; P: URG-04LX-UG01 data sheet."""
 HEADINGS = 24
 """Sides from which a member is seen, 15 degrees apart; choice."""
 SAME_M = 0.003
@@ -49,9 +51,9 @@ def _templates(model: mujoco.MjModel, height_m: float, step_rad: float, samples:
     mujoco.mj_kinematics(model, data)
     kept = np.empty((0, samples, 2))
     rows = warp_rows(samples)
-    for clearance in CLEARANCES_M:
+    for distance in np.geomspace(2.0 * radius, max(FARTHEST_M, 3.0 * radius), DISTANCES):
         for side in np.arange(HEADINGS) * (2.0 * math.pi / HEADINGS):
-            shape = _shape_seen(model, data, height_m, radius, radius + clearance, side, step_rad, samples)
+            shape = _shape_seen(model, data, height_m, radius, float(distance), side, step_rad, samples)
             if shape is not None and nearest_shape(shape, kept, band, SAME_M, SAME_M, rows) > SAME_M:
                 kept = np.concatenate((kept, shape[None]))
     return kept

@@ -16,6 +16,7 @@ import numpy as np
 from flocking.compilation import compiled
 from flocking.parameters import Parameter
 from flocking.types import ANONYMOUS, Floats, Ints, Members, Obstacles, Own
+from sensing import recognition
 from sensing.segments import beam_directions, laser_mount, split
 from sensing.types import NOBODY, Detection, Senses
 
@@ -27,9 +28,11 @@ class Parameters(NamedTuple):
 
     threshold: Annotated[
         float, Parameter("", "python -m scripts.calibrate_detection; Fine 2015, section 2.3.1", low=0.0)
-    ] = 2.0
+    ] = 17.0
     """Least intensity of the foreground, relative to white paper seen head-on at 1 m."""
-    split_m: Annotated[float, Parameter("m", "as in member-based detection; for obstacles only", low=0.0)] = 0.3
+    split_m: Annotated[float, Parameter("m", "as in member-based detection; for obstacles only", low=0.0)] = (
+        recognition.Parameters().split_m
+    )
     """Consecutive background readings further apart than this belong to different obstacles."""
 
 
