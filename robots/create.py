@@ -37,12 +37,12 @@ BUMPER_HEIGHT = 0.045  # m, middle of the bumper's ring; ?
 BASE_MASS = 2.5  # kg with battery and wheels; S: models 2 to 2.5, the real machine 2.5 to 3
 WHEEL_MASS = 0.1  # kg, the turning part of one wheel; ?
 BATTERY_MASS = 0.5  # kg of the base's mass; ?
-BATTERY_X = 0.05  # m before the axle; ?: the bare machine rests on its front caster
+BATTERY_X = 0.03  # m before the axle; ?: the bare machine rests on its front caster
 
 # Payload ------------------------------------------------------------------------------------------
 LAPTOP_MASS = 1.0  # kg, ASUS Eee PC; S
 LAPTOP_SIZE = (0.164, 0.225, 0.035)  # m, closed, x y z; S: Eee PC 900
-LAPTOP_X = 0.035  # m before the axle; ?: within the outline
+LAPTOP_X = 0.02  # m before the axle; ?: within the outline
 LASER_MASS = 0.16  # kg, Hokuyo URG-04LX-UG01; S: data sheet
 LASER_SIZE = (0.05, 0.05, 0.045)  # m, housing below its window; S: 50 x 50 mm, its height is ?
 LASER_WINDOW = 0.055  # m, scan plane above the laser's foot; ?
@@ -61,8 +61,8 @@ DARK = (0.1, 0.0)  # black plastic and rubber; ?
 MAX_SPEED = 0.5  # m/s of each wheel; P: Open Interface, drive command
 MAX_WHEEL_ACCELERATION = 0.9  # m/s² at the rim; C: Create 3 (none is published for the first generation)
 MAX_WHEEL_TORQUE = 0.4  # N m; ?: a little more than the tyre's grip, so that wheels spin at a wall
-WHEEL_SERVO_GAIN = 0.1  # N m s/rad; ?: follows within about 25 ms (0.02 m/s on a ramp)
-ROTOR_INERTIA = 2e-4  # kg m² at the wheel's axis, of motor and gear; ?
+WHEEL_SERVO_GAIN = 0.06  # N m s/rad; ?: follows within about 40 ms; explicit steps bound it (robots/physics.py)
+ROTOR_INERTIA = 5e-4  # kg m² at the wheel's axis, of motor and gear; ?
 TYRE_FRICTION = 0.6  # rubber on a smooth floor; ?
 BUMPER_FRICTION = 0.3  # plastic on paint; ?
 BUMPER_TRAVEL = 0.004  # m; ?: how far before the outline contact begins (see `BUMPER`)
@@ -119,10 +119,13 @@ PARTS = (
     ),
 )
 
-# Contacts (MuJoCo's solref: time constant, at least twice the time step, and damping; solimp: impedance). At 0.99 a
-# wheel sinks in by about 0.01 mm under its load and so rolls less than 0.1 % short. A slipping wheel hops by a
-# fraction of a millimetre: MuJoCo's convex friction couples sliding with lifting.
-ROLLING = {"solref": (0.02, 1.0), "solimp": (0.99, 0.99, 0.001, 0.5, 2.0)}
+# Contacts (MuJoCo's solref: time constant, at least twice the time step, and damping; solimp: impedance; margin:
+# the distance at which contact begins). The margins are what tyres and caster would sink in under their loads: so the
+# robot starts at rest, stands at z = 0, and its wheels roll on their nominal radius (a test reads this back). The
+# casters are softer, or braking would lift the front one for a step at a time. A slipping wheel hops by a fraction of
+# a millimetre: MuJoCo's convex friction couples sliding with lifting.
+TYRE = {"solref": (0.02, 1.0), "solimp": (0.99, 0.99, 0.001, 0.5, 2.0), "margin": 1.08e-5}
+CASTER = {"solref": (0.02, 1.0), "solimp": (0.9, 0.9, 0.001, 0.5, 2.0), "margin": 2.8e-5}
 # The bumper gives way: contact begins `BUMPER_TRAVEL` before the outline and grows stiff towards it, because at
 # 0.5 m/s a robot moves 5 mm in one step of 10 ms, and would stand that deep in a wall before any contact were found.
 BUMPER = {"solref": (0.02, 1.0), "solimp": (0.5, 0.95, 0.004, 0.5, 2.0), "margin": BUMPER_TRAVEL}
@@ -191,7 +194,7 @@ def spec() -> mujoco.MjSpec:
         base.add_geom(
             name=name, type=kind.mjGEOM_SPHERE, size=(CASTER_RADIUS, 0, 0), pos=(x, 0, z + CASTER_RADIUS),
             mass=0.0,
-            condim=1, rgba=(0.2, 0.2, 0.2, 1), **gear, **ROLLING,
+            condim=1, rgba=(0.2, 0.2, 0.2, 1), **gear, **CASTER,
         )  # fmt: skip
     for name, side in (("left", 1.0), ("right", -1.0)):
         _add_wheel(robot, base, name, side * AXLE_TRACK / 2, gear)
@@ -219,7 +222,7 @@ def _add_wheel(robot: mujoco.MjSpec, base: mujoco.MjsBody, name: str, y: float, 
     )  # fmt: skip
     wheel.add_geom(
         name=f"{name}_tyre", type=mujoco.mjtGeom.mjGEOM_SPHERE, size=(WHEEL_RADIUS, 0, 0), mass=0.0, condim=3,
-        friction=(TYRE_FRICTION, 0, 0), rgba=(0, 0, 0, 0), group=3, **gear, **ROLLING,
+        friction=(TYRE_FRICTION, 0, 0), rgba=(0, 0, 0, 0), group=3, **gear, **TYRE,
     )  # fmt: skip
     servo = robot.add_actuator(name=name, target=name, trntype=mujoco.mjtTrn.mjTRN_JOINT)
     servo.set_to_velocity(kv=WHEEL_SERVO_GAIN)
