@@ -142,6 +142,8 @@ def _robot(
     _check_information(law, group, reads)
     parameters = law.parameters(group.law_parameters)
     steps = [] if group.selection.strip() == "all" else selection.parse(group.selection)
+    first = (group.speed_m_s, 0.0) if group.start_moving else (0.0, 0.0)
+    world.fleet.command(index, *first)
     return Robot(
         index=index,
         name=f"{group.name}-{member + 1}",
@@ -162,6 +164,7 @@ def _robot(
         lasers=lasers,
         memory=np.zeros(law.memory),
         dt=1.0 / group.rate_hz,
+        command=first,
     )
 
 

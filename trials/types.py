@@ -40,6 +40,9 @@ class Group:
     """`random`: each robot's clock starts at its own moment; `together`: all at once (synchronous)."""
     latency_s: float = 0.05
     """From sensing to acting."""
+    start_moving: bool = True
+    """Whether the command that robots are given at the start, and keep while they see nobody, is to drive straight
+    on at cruising speed; else it is to stand still."""
 
 
 @dataclass(frozen=True)

@@ -12,12 +12,14 @@ import numpy as np
 
 from flocking import found
 from flocking.parameters import filled
-from flocking.types import Bools, Floats, Ints
+from flocking.types import Floats, Ints
 from robots import physics, touching
 from robots.fleet import Fleet
 from worlds.walls import Walls, add_walls
 
 FLOOR_MASK = 1
+NEVER = 10**9
+"""Steps apart of a pair that has not touched yet."""
 _NEW_CONTACTS = 256
 
 
@@ -33,10 +35,10 @@ class World:
     free_length: float
     """How far from the origin a robot may get along x before it could meet an end, m."""
     _owners: Ints
-    _touching: Bools
+    _apart: Ints
     _began: Floats
     contacts: list[tuple[float, ...]] = field(default_factory=list)
-    """One row for each contact that began: time, robot, other (−1 = a wall), x, y."""
+    """One row for each touch that began: time, robot, other (−1 = a wall), x, y."""
     observers: list[Callable[[mujoco.MjData], None]] = field(default_factory=list)
     """Called after every step: sensors that need to know how the robots moved."""
     tick: int = 0
@@ -44,13 +46,14 @@ class World:
     def advance(self, to: int) -> None:
         """Steps physics until tick `to`: wheel ramps before every step, encoders and contacts after it."""
         model, data, fleet, step = self.model, self.data, self.fleet, mujoco.mj_step
+        release = round(touching.APART_S / model.opt.timestep)
         while self.tick < to:
             fleet.before_step(data)
             step(model, data)
             fleet.after_step(data)
             self.tick += 1
             contact = data.contact
-            count = touching.begun(contact.geom, contact.pos, self._owners, self._touching, self._began)
+            count = touching.begun(contact.geom, contact.pos, self._owners, self._apart, release, self._began)
             for row in self._began[:count]:
                 self.contacts.append((data.time, *row.tolist()))
             for observe in self.observers:
@@ -84,7 +87,7 @@ def build(
         names=tuple(names),
         free_length=float(module.free_length(parameters)),
         _owners=_geom_owners(model, fleet.root_bodies),
-        _touching=np.zeros((len(names), len(names) + 1), dtype=np.bool_),
+        _apart=np.full((len(names), len(names) + 1), NEVER, dtype=np.int64),
         _began=np.empty((_NEW_CONTACTS, 4)),
     )
 
