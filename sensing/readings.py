@@ -8,7 +8,7 @@ from typing import NamedTuple
 from flocking.compilation import compiled
 from flocking.types import Floats, Ints
 from sensing.intensity import NEAREST_M, returned
-from sensing.planar import BEAMS, STEP_RAD, cosine_of_incidence, slope, turn_to_end
+from sensing.planar import BEAMS, STEP_RAD, away, cosine_of_incidence, slope, turn_to_end
 from sensing.types import NOBODY
 
 FARTHEST_M = 5.6
@@ -139,7 +139,13 @@ def report(
     settings: Settings,
     distances: Floats,
     surfaces: Ints,
+    lasers: Floats,
+    poses: Floats,
+    shapes: Floats,
+    rectangles: int,
+    frames: Ints,
     owners: Ints,
+    beams: Floats,
     partners: Ints,
     shares: Floats,
     normals: Floats,
@@ -151,7 +157,8 @@ def report(
     """Fill `ranges` (B,) as in `Scan`, and the ground truth `reading_owners` (B,) and `lit` (N,).
 
     `draws` (2 B,) are whole numbers below 65536: one for the noise and one for the drop-out of each beam;
-    `normals` (65536,) turns the first into a normal deviate.
+    `normals` (65536,) turns the first into a normal deviate. A mixed reading belongs to the nearer of its two surfaces
+    where it is close enough to it, else to nobody.
     """
     dropout = settings.dropout * 65536.0
     for i in range(BEAMS):
@@ -183,10 +190,17 @@ def report(
             reading = decoded(max(steps * settings.resolution_mm, float(FIRST_RANGE_MM)))
         ranges[i] = reading
         near = max(3.0 * sigma, SURFACE_TOLERANCE_M)
-        if abs(reading - true) <= near:
-            reading_owners[i] = own
-        elif j >= 0 and abs(reading - distances[j]) <= near:
-            reading_owners[i] = owners[surfaces[j] // 4]
+        if middle == true:
+            if abs(reading - true) <= near:
+                reading_owners[i] = own
+            continue
+        row = i if len(lasers) > 1 else 0
+        laser = (lasers[row, 0], lasers[row, 1], lasers[row, 2], lasers[row, 3])
+        x, y = reading * beams[0, i], reading * beams[1, i]
+        here = away(surfaces[i], x, y, laser, poses[row], shapes, rectangles, frames)
+        there = away(surfaces[j], x, y, laser, poses[row], shapes, rectangles, frames)
+        if min(here, there) <= near:
+            reading_owners[i] = own if here <= there else owners[surfaces[j] // 4]
 
 
 @compiled

@@ -104,8 +104,9 @@ def scan(
         partners[:] = -1
         shares[:] = 0.0
     readings.report(
-        settings, distances, surfaces, owners, partners, shares, normals, draws, ranges, reading_owners, lit
-    )
+        settings, distances, surfaces, lasers, poses, shapes, rectangles, frames, owners, beams, partners, shares,
+        normals, draws, ranges, reading_owners, lit,
+    )  # fmt: skip
     if shines:
         readings.light(distances, surfaces, lasers, poses, shapes, rectangles, frames, materials, beams, returns)
         readings.report_light(settings, returns, partners, shares, normals, light_draws, ranges, intensities)
