@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -25,43 +26,59 @@ def shown(count: int, already: int = 0) -> Iterator[Progress]:
         yield Lines(count, already)
 
 
+class Rate:
+    """Trials a second, counted from the end of the first: before it lie imports and compilation."""
+
+    def __init__(self) -> None:
+        self.kept, self.first = 0, 0.0
+
+    def ended(self) -> float:
+        """One more has ended: the rate, or nan after the first."""
+        now = monotonic()
+        self.kept += 1
+        if self.kept == 1:
+            self.first = now
+            return math.nan
+        return (self.kept - 1) / max(now - self.first, 1e-9)
+
+
 class Lines:
     """A line now and then."""
 
     def __init__(self, count: int, already: int) -> None:
-        self.count, self.already, self.kept = count, already, 0
-        self.started = self.last = monotonic()
+        self.count, self.done, self.rate = count, already, Rate()
+        self.last = monotonic()
 
     def say(self, text: str) -> None:
         print(text, file=sys.stderr, flush=True)
 
     def ended(self, row: Row) -> None:
-        self.kept += 1
+        self.done += 1
+        rate, now = self.rate.ended(), monotonic()
         if row.status != "done":
             self.say(failure(row))
-        now = monotonic()
-        done = self.already + self.kept
-        if done == self.count or now - self.last >= LINE_EVERY_S:
+        if self.done == self.count or now - self.last >= LINE_EVERY_S:
             self.last = now
-            rate = self.kept / max(now - self.started, 1e-9)
-            left = f", about {duration((self.count - done) / rate)} left" if done < self.count else ""
-            self.say(f"{done} of {self.count} trials, {rate:.2g} a second{left}")
+            speed = "" if math.isnan(rate) else f", {rate:.2g} a second"
+            left = (
+                f", about {duration((self.count - self.done) / rate)} left" if speed and self.done < self.count else ""
+            )
+            self.say(f"{self.done} of {self.count} trials{speed}{left}")
 
 
 class _Bar:
     def __init__(self, bar: Any, task: Any) -> None:
-        self.bar, self.task = bar, task
-        self.kept, self.started = 0, monotonic()
+        self.bar, self.task, self.rate = bar, task, Rate()
 
     def say(self, text: str) -> None:
         self.bar.update(self.task, description=text)
 
     def ended(self, row: Row) -> None:
-        self.kept += 1
         if row.status != "done":
             self.bar.console.print(failure(row), markup=False, highlight=False)
-        rate = self.kept / max(monotonic() - self.started, 1e-9)
-        self.bar.update(self.task, advance=1, description="trials", rate=f"{rate:.2g}/s")
+        rate = self.rate.ended()
+        speed = "" if math.isnan(rate) else f"{rate:.2g}/s"
+        self.bar.update(self.task, advance=1, description="trials", rate=speed)
 
 
 @contextmanager
