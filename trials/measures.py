@@ -41,9 +41,7 @@ ABOUT: dict[str, Measure] = {
     "perpendicular_share": Measure("", "share of updates in which the perpendicular way-point was computed"),
     "stop_share": Measure("", "share of updates that said stand still (SNN within the repulsion distance)"),
     "computed_snn_share": Measure("", "SNN branch among updates in the SNN or HA branch"),
-    "ha_at_nearest_share": Measure(
-        "", "of the HA way-points: share that points at the nearest input (15 degrees)"
-    ),
+    "ha_at_nearest_share": Measure("", "of the HA way-points: share that points at the nearest input (15 degrees)"),
     "ha_angle": Measure("rad", "mean angle between the HA way-point and the nearest input"),
     "effective_snn_share": Measure(
         "", "of the approaches (SNN or HA way-points): share that points at the nearest input (15 degrees)"
@@ -51,16 +49,16 @@ ABOUT: dict[str, Measure] = {
     "effective_snn_share_tight": Measure("", "the same with half the bound (7.5 degrees)"),
     "effective_snn_share_wide": Measure("", "the same with twice the bound (30 degrees)"),
     "effective_snn_share_late": Measure("", "effective_snn_share over the second half of the trial"),
-    "effective_ha_share": Measure(
-        "", "of the approaches: share that points elsewhere; 1 - effective_snn_share"
-    ),
+    "effective_ha_share": Measure("", "of the approaches: share that points elsewhere; 1 - effective_snn_share"),
     "acts_as_snn_share": Measure(
-        "",
-        "of updates with inputs: at the nearest or at rest beside it; perpendicular counts against",
+        "", "of the updates with inputs: share that does what SNN would: heads for the nearest, or rests beside it"
     ),
+    "acts_as_snn_share_late": Measure("", "acts_as_snn_share over the second half of the trial"),
+    "reverted_share": Measure("", "of the updates with inputs: share in which the SNN branch was computed"),
     "smoothness": Measure(
         "m2", "variance of the chosen way-point about its drift, in the world; larger is less smooth"
     ),
+    "smoothness_approach": Measure("m2", "the same of SNN and HA way-points only, without the perpendicular ones"),
     "way_point_variance": Measure("m2", "variance of the chosen way-point over the trial, body frame"),
     "way_point_bearing_variance": Measure("", "circular variance of the way-point's bearing, body frame"),
     "fn_share": Measure("", "false negatives: share of the visible members that were missed, per update"),
@@ -71,9 +69,7 @@ ABOUT: dict[str, Measure] = {
     "inputs_per_update": Measure("", "mean number of inputs given to the law"),
     "members_per_update": Measure("", "mean number of members detected"),
     "one_member_share": Measure("", "share of updates with exactly one member detected"),
-    "seen_distance_q25": Measure(
-        "m", "distance to the inputs, each member seen counting once: lower quartile"
-    ),
+    "seen_distance_q25": Measure("m", "distance to the inputs, each member seen counting once: lower quartile"),
     "seen_distance_q50": Measure("m", "the same: median"),
     "seen_distance_q75": Measure("m", "the same: upper quartile"),
     "polarization": Measure("", "of the headings, mean over the second half"),
@@ -93,7 +89,7 @@ def measure(result: TrialResult) -> dict[str, float]:
     """The measures of one trial, by the names of `ABOUT`. Reads no `result.measures`."""
     found = {
         **_behaviour(result),
-        **_smoothness(result.updates, len(result.robot_names)),
+        **_smoothness(result),
         **_detection(result.updates, len(result.robot_names)),
         **_formation(result),
     }
@@ -145,6 +141,7 @@ def _behaviour(result: TrialResult) -> dict[str, Any]:
     at_nearest = angles <= NEAREST_BOUND  # nan compares false
     late = updates.times >= _half(result)
     effective_snn = _share(at_nearest, approach)
+    acts_as_snn = (at_nearest & approach) | (stop & snn)
     return {
         "none_share": _share(none),
         "snn_share": _share(snn),
@@ -159,11 +156,13 @@ def _behaviour(result: TrialResult) -> dict[str, Any]:
         "effective_snn_share_wide": _share(angles <= NEAREST_BOUND * 2.0, approach),
         "effective_snn_share_late": _share(at_nearest, approach & late),
         "effective_ha_share": 1.0 - effective_snn,
-        "acts_as_snn_share": _share((at_nearest & approach) | (stop & snn), with_inputs),
+        "acts_as_snn_share": _share(acts_as_snn, with_inputs),
+        "acts_as_snn_share_late": _share(acts_as_snn, with_inputs & late),
+        "reverted_share": _share(snn, with_inputs),
     }
 
 
-def _smoothness(updates: Updates, robots: int) -> dict[str, Any]:
+def _smoothness(result: TrialResult) -> dict[str, Any]:
     """Variances of the chosen way-point, each per robot, then averaged over the robots that have one.
 
     `smoothness` is half the mean square of the change from one way-point to the next (von Neumann et al.
@@ -171,7 +170,9 @@ def _smoothness(updates: Updates, robots: int) -> dict[str, Any]:
     motion nor the approach to a neighbour counts as jitter. Only directly successive updates with way-points
     count. `way_point_variance` is the plain total variance (trace of the covariance) in the body frame.
     """
+    updates, robots = result.updates, len(result.robot_names)
     order = np.lexsort((updates.times, updates.robots))
+    approach = ~rule_is(result, "perpendicular")[order]
     who, motions = updates.robots[order], updates.motions[order]
     x, y, heading = updates.poses_w[order].T
     chosen = (updates.kinds[order] == Kind.WAY_POINT) & np.isfinite(motions).all(axis=1)
@@ -179,8 +180,10 @@ def _smoothness(updates: Updates, robots: int) -> dict[str, Any]:
     x_w = x + c * motions[:, 0] - s * motions[:, 1]
     y_w = y + s * motions[:, 0] + c * motions[:, 1]
     pair = chosen[1:] & chosen[:-1] & (who[1:] == who[:-1])
-    squared = (np.diff(x_w) ** 2 + np.diff(y_w) ** 2)[pair]
-    jitter = _by_robot(squared, who[1:][pair], robots) / 2.0
+    squared = np.diff(x_w) ** 2 + np.diff(y_w) ** 2
+    jitter = _by_robot(squared[pair], who[1:][pair], robots) / 2.0
+    pair &= approach[1:] & approach[:-1]
+    approach_jitter = _by_robot(squared[pair], who[1:][pair], robots) / 2.0
 
     who, motions = who[chosen], motions[chosen]
     means = np.stack([_by_robot(motions[:, k], who, robots) for k in (0, 1)], axis=1)
@@ -189,6 +192,7 @@ def _smoothness(updates: Updates, robots: int) -> dict[str, Any]:
     resultant = np.hypot(_by_robot(np.cos(bearings), who, robots), _by_robot(np.sin(bearings), who, robots))
     return {
         "smoothness": _mean(jitter[np.isfinite(jitter)]),
+        "smoothness_approach": _mean(approach_jitter[np.isfinite(approach_jitter)]),
         "way_point_variance": _mean(_by_robot(spread, who, robots)[np.bincount(who, minlength=robots) > 0]),
         "way_point_bearing_variance": _mean(1.0 - resultant[np.isfinite(resultant)]),
     }
@@ -199,9 +203,7 @@ def _detection(updates: Updates, robots: int) -> dict[str, Any]:
     missed = int((updates.member_states == MISSED).sum())
     counts = np.diff(updates.input_starts)
     made_up = updates.input_owners < 0
-    lit, unmade, false = (
-        int(x.sum()) for x in (updates.beams_lit, updates.beams_missed, updates.beams_made_up)
-    )
+    lit, unmade, false = (int(x.sum()) for x in (updates.beams_lit, updates.beams_missed, updates.beams_made_up))
     of_update = np.repeat(np.arange(len(counts)), counts)
     with_made_up = np.zeros(len(counts), dtype=bool)
     with_made_up[of_update[made_up]] = True

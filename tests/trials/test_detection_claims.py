@@ -40,10 +40,13 @@ def as_published(pipeline: str, exclusion: float) -> dict[str, float]:
         "effective_snn_share_tight": snn,
         "effective_snn_share_wide": snn,
         "acts_as_snn_share": snn,
-        "computed_snn_share": 0.2 if sensor else 0.6,
+        "acts_as_snn_share_late": snn,
+        "reverted_share": 0.2 if sensor else 0.6,
+        "perpendicular_share": 0.3,
         "ha_share": 1.0 - snn,
         "straightness": 0.8,
         "smoothness": {"member-based": 0.02, "member-extrapolated": 0.04, "sensor-based": 0.2}.get(pipeline, 0.02),
+        "smoothness_approach": 0.01,
         "way_point_variance": 1.0,
         "way_point_bearing_variance": 0.3,
         "fn_share": 0.05 if sensor else 0.2,
@@ -59,7 +62,7 @@ def as_published(pipeline: str, exclusion: float) -> dict[str, float]:
 
 
 def all_alike(pipeline: str, exclusion: float) -> dict[str, float]:
-    return as_published("member-based", min(exclusion, 1.0)) | {"effective_snn_share": 0.6}
+    return as_published("member-based", min(exclusion, 1.0)) | {"acts_as_snn_share": 0.6}
 
 
 def opposite(pipeline: str, exclusion: float) -> dict[str, float]:
@@ -76,7 +79,9 @@ def opposite(pipeline: str, exclusion: float) -> dict[str, float]:
         "effective_snn_share": snn,
         "effective_ha_share": 1.0 - snn,
         "effective_snn_share_late": snn,
-        "computed_snn_share": 0.9 if sensor else 0.1,
+        "acts_as_snn_share": snn,
+        "acts_as_snn_share_late": snn,
+        "reverted_share": 0.9 if sensor else 0.1,
         "smoothness": {"member-based": 0.2, "member-extrapolated": 0.1, "sensor-based": 0.02}.get(pipeline, 0.2),
         "fn_share": 0.3 if sensor else 0.1,
         "fp_update_share": 0.02 if sensor else 0.2,

@@ -50,9 +50,9 @@ def trial_of(
         input_starts=np.concatenate([[0], np.cumsum([len(row[5]) for row in rows])]).astype(np.int64),
         input_positions=np.array([g[:2] for g in inputs], dtype=np.float32).reshape(-1, 2),
         input_owners=np.array([g[2] for g in inputs], dtype=np.int16),
-        member_states=np.array(
-            states if states is not None else np.zeros((count, robots)), dtype=np.int8
-        ).reshape(-1, robots),
+        member_states=np.array(states if states is not None else np.zeros((count, robots)), dtype=np.int8).reshape(
+            -1, robots
+        ),
         beams_lit=made[:, 0],
         beams_missed=made[:, 1],
         beams_made_up=made[:, 2],
@@ -115,6 +115,8 @@ def test_shares_of_the_branches() -> None:
     assert found["effective_snn_share"] == 1 / 2  # atan(0.5) = 27 degrees is elsewhere
     assert found["effective_ha_share"] == 1 / 2
     assert found["acts_as_snn_share"] == 2 / 4  # the SNN way-point and the stop, of four updates with inputs
+    assert found["acts_as_snn_share_late"] == 0.0  # the perpendicular one, from 5 s on
+    assert found["reverted_share"] == 2 / 4
     assert found["ha_angle"] == pytest.approx(math.atan(0.5), abs=SINGLE)
 
 
@@ -193,6 +195,18 @@ def test_gaps_between_way_points_are_no_jitter() -> None:
         (0.4, 0, Kind.WAY_POINT, 1, (5.0, 0.0), []),
     ]
     assert measure(trial_of(rows))["smoothness"] == pytest.approx(0.04 / 2)
+
+
+def test_the_perpendicular_way_points_random_sign_can_be_left_out() -> None:
+    rows: list[Row] = [
+        (0.1 * k, 0, Kind.WAY_POINT, rule, way_point, [])
+        for k, (rule, way_point) in enumerate(
+            [(1, (2.0, 0.0)), (2, (2.0, 0.2)), (3, (0.0, 0.7)), (3, (0.0, -0.7)), (2, (2.0, 0.0)), (2, (2.0, 0.0))]
+        )
+    ]
+    found = measure(trial_of(rows))
+    assert found["smoothness_approach"] == pytest.approx(0.04 / 2 / 2)  # of two pairs, one of them at rest
+    assert found["smoothness"] > 0.4
 
 
 def test_false_negatives_and_positives() -> None:
