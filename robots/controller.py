@@ -28,10 +28,10 @@ MAX_TURN_RATE = 2.0
 """rad/s; ?: about 0.26 m/s at each wheel when turning in place."""
 APPROACH_TIME = 0.5
 """s; ?: towards a way-point at distance d the speed is at most d / this."""
-ARRIVED = 0.02
+ARRIVED = 0.03
 """m; ?: a moving robot this near to its way-point stops."""
-DEPART = 0.05
-"""m; ?: a robot at rest sets out for a way-point beyond this (the laser's noise is centimetres)."""
+DEPART = 0.1
+"""m; ?: a robot at rest sets out for a way-point beyond this: three times the laser's noise."""
 FADE_SPEED = 0.05
 """S, m/s; ?: below it the turn fades."""
 AIMED = math.radians(1.0)

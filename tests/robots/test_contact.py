@@ -37,7 +37,7 @@ def test_pushing_a_wall_stalls_and_the_odometry_does_not_see_it(build):
     arena.fleet.command(0, 0.5, 0.0)
     arena.run(2.0)
     arena.fleet.velocity(0)
-    start, depths, tilts, forces = arena.pose(), [], [], []
+    start, seen, depths, tilts, forces = arena.pose(), arena.fleet.odometry[0, 0], [], [], []
 
     def watch():
         depths.append(depth(arena))
@@ -53,8 +53,8 @@ def test_pushing_a_wall_stalls_and_the_odometry_does_not_see_it(build):
     # Mean push: the tyres' grip (they carry about 93 % of the weight, more or less as the nose lifts); 25 % for hops.
     mass = arena.model.body_subtreemass[1]
     assert np.mean(forces, axis=0)[0] == pytest.approx(0.93 * create.TYRE_FRICTION * mass * 9.81, rel=0.25)
-    assert arena.fleet.velocity(0)[0] > 0.15
-    assert arena.fleet.odometry[0, 0] > 0.8
+    assert arena.fleet.velocity(0)[0] > 0.05
+    assert arena.fleet.odometry[0, 0] - seen > 0.25
 
 
 def test_a_slippery_floor_slips(build):
