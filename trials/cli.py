@@ -173,10 +173,11 @@ def play(
     web: Annotated[bool, Option("--web", help="In the browser instead of the viewer.")] = False,
 ) -> None:
     """Plays a trial's recording in Rerun."""
+    where = _run_folder(folder)
+    chosen = trial if trial is not None else _first_recorded(where)
     from trials.playback import play
 
-    where = _run_folder(folder)
-    play(where, trial if trial is not None else _first_recorded(where), web=web)
+    play(where, chosen, web=web)
 
 
 @app.command()

@@ -118,7 +118,8 @@ def start(asked: Asked, out: Path | None, jobs: int) -> int:
     }
     kept = store.create(folder, run, users_files(chosen))
     try:
-        return _go(kept, jobs)
+        with store.alone(folder):
+            return _go(kept, jobs)
     finally:
         kept.close()
 
@@ -130,13 +131,14 @@ def resume(folder: Path, jobs: int) -> int:
     """
     kept = store.opened(folder)
     try:
-        changed = machine.differences(kept.run, machine.made_with())
-        if changed:
-            print(
-                f"note: changed since this run began: {'; '.join(changed)}; results may differ in their last bits",
-                file=sys.stderr,
-            )
-        return _go(kept, jobs)
+        with store.alone(folder):
+            changed = machine.differences(kept.run, machine.made_with())
+            if changed:
+                print(
+                    f"note: changed since this run began: {'; '.join(changed)}; results may differ in their last bits",
+                    file=sys.stderr,
+                )
+            return _go(kept, jobs)
     finally:
         kept.close()
 
@@ -199,24 +201,25 @@ def kinds(trials: Sequence[Trial]) -> list[Trial]:
 def _go(kept: Store, jobs: int) -> int:
     """Runs the trials that have no row yet."""
     trials = kept.trials
-    recorded = {"all": trials, "first": trials[:1], "none": []}[kept.run["record"]]
-    with store.alone(kept.folder):
-        ended = {row.index for row in kept.rows()}
-        left = [trial for trial in trials if trial.index not in ended]
-        started = monotonic()
-        stopped, new = 0, 0
-        if left:
-            with progress.shown(len(trials), len(ended)) as shown:
-                summary = run_batch(
-                    left,
-                    kept,
-                    shown,
-                    jobs=jobs,
-                    scans=kept.run["scans"],
-                    recorded=frozenset(trial.index for trial in recorded),
-                    warm_up=kinds(left),
-                )
-            stopped, new = summary.stopped, len(summary.rows)
+    record, scans = kept.run.get("record"), kept.run.get("scans")
+    if record not in RECORD or scans not in SCANS:
+        raise InputError(f"{kept.folder / store.RUN} is damaged: record {record!r}, scans {scans!r}")
+    recorded = {"all": trials, "first": trials[:1], "none": []}[record]
+    ended = {row.index for row in kept.rows()}
+    left = [trial for trial in trials if trial.index not in ended]
+    started, stopped, new = monotonic(), 0, 0
+    if left:
+        with progress.shown(len(trials), len(ended)) as shown:
+            summary = run_batch(
+                left,
+                kept,
+                shown,
+                jobs=jobs,
+                scans=scans,
+                recorded=frozenset(trial.index for trial in recorded),
+                warm_up=kinds(left),
+            )
+        stopped, new = summary.stopped, len(summary.rows)
     rows = kept.rows()
     if stopped:
         print(

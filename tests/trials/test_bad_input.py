@@ -1,0 +1,252 @@
+"""Bad input: one line on stderr that says what was given and what was expected, exit code 2, nothing changed."""
+
+from __future__ import annotations
+
+import shutil
+import sqlite3
+import sys
+from pathlib import Path
+
+import pytest
+
+from flocking.errors import InputError
+from trials import cli, options, store
+
+sys.path.insert(0, str(Path(__file__).parent))
+import fake_trials
+
+RUN = ["run", "detection-case-study"]
+LAW_HEAD = """
+import math
+from typing import NamedTuple
+from flocking.types import Kind, Motion
+NEEDS = frozenset({"positions"})
+RULES = ("law",)
+class Parameters(NamedTuple):
+    pass
+def law(own, members, sets, obstacles, parameters, memory, u):
+"""
+
+
+@pytest.fixture
+def refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]):
+    """Runs the command in an empty folder and gives its one line."""
+    monkeypatch.chdir(tmp_path)
+
+    def command(*words: str) -> str:
+        before = {path: path.stat().st_mtime_ns for path in tmp_path.rglob("*")}
+        monkeypatch.setattr(sys, "argv", ["herd", *words])
+        assert cli.main() == 2
+        said = capsys.readouterr()
+        assert said.out == ""
+        assert said.err.startswith("herd: ")
+        assert said.err.count("\n") == 1
+        assert {path: path.stat().st_mtime_ns for path in tmp_path.rglob("*")} == before
+        return said.err
+
+    return command
+
+
+def make_run(folder: Path) -> None:
+    trials = [fake_trials.trial(k) for k in (1, 2)]
+    run = {
+        "format": 1,
+        "experiment": "detection-case-study",
+        "record": "none",
+        "scans": "some",
+        "trials": [trial.as_dict() for trial in trials],
+    }
+    kept = store.create(folder, run, {})
+    kept.add(store.Row(1, "done", "", 1, 1, {}, {}), None, None, {})
+    kept.close()
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        (["rnu"], ["rnu", "'run'"]),
+        (["fly"], ["fly", "list, show, run"]),
+        (["run"], ["experiment"]),
+        (["run", "detection-case-studdy"], ["detection-case-studdy", "did you mean detection-case-study"]),
+        (["show", "nothing-like-it"], ["nothing-like-it", "detection-case-study"]),
+        (["list", "lows"], ["'lows'", "'laws'"]),
+        ([*RUN, "--repeatz", "3"], ["--repeatz", "--repeats"]),
+        ([*RUN, "--repeats"], ["--repeats", "argument"]),
+        ([*RUN, "--repeats", "0"], ["--repeats", "'0'", "at least 1"]),
+        ([*RUN, "--repeats", "-3"], ["--repeats", "'-3'", "at least 1"]),
+        ([*RUN, "--repeats", "2.5"], ["--repeats", "'2.5'", "whole number"]),
+        ([*RUN, "--repeats", "1000000"], ["trials", "at most"]),
+        ([*RUN, "--jobs", "0"], ["--jobs", "'0'", "at least 1"]),
+        ([*RUN, "--seed", "abc"], ["--seed", "'abc'", "whole number"]),
+        ([*RUN, "--seed", "-1"], ["--seed", "'-1'", "at least 0"]),
+        ([*RUN, "--seed", "99999999999999999999"], ["--seed", "at most"]),
+        ([*RUN, "--only", "64"], ["--only", "'64'", "1 to 63"]),
+        ([*RUN, "--only", "0"], ["--only", "1 to 63"]),
+        ([*RUN, "--only", "4-1"], ["--only", "4-1"]),
+        ([*RUN, "--only", "one"], ["--only", "'one'", "1-4,9"]),
+        ([*RUN, "--only", ""], ["--only", "1-4,9"]),
+        ([*RUN, "--record", "some"], ["--record", "'some'", "'first'"]),
+        ([*RUN, "--scans", "none"], ["--scans", "'none'", "'all'"]),
+        ([*RUN, "--debug"], ["--debug", "--only"]),
+        ([*RUN, "--only", "1-2", "--debug"], ["--debug", "--only"]),
+        ([*RUN, "--law", "extended-hamiltn"], ["extended-hamiltn", "did you mean extended-hamilton"]),
+        ([*RUN, "--law", "nowhere/mine.py"], ["nowhere/mine.py", "does not exist"]),
+        ([*RUN, "--pipeline", "member-base"], ["member-base", "member-based"]),
+        ([*RUN, "--body", "creature"], ["creature", "create"]),
+        ([*RUN, "--set", "herd.law.repulsion"], ["herd.law.repulsion", "KEY=VALUE"]),
+        ([*RUN, "--set", "=3"], ["=3", "KEY=VALUE"]),
+        ([*RUN, "--set", "herd.law.repulsoin_m=1"], ["herd.law.repulsoin_m", "did you mean herd.law.repulsion_m"]),
+        ([*RUN, "--set", "heard.law.repulsion_m=1"], ["heard.law.repulsion_m", "herd.law.repulsion_m"]),
+        ([*RUN, "--set", "herd.law.exclusion_m=nan"], ["herd.law.exclusion_m", "nan", "finite"]),
+        ([*RUN, "--set", "herd.law.exclusion_m=inf"], ["herd.law.exclusion_m", "inf", "finite"]),
+        ([*RUN, "--set", "herd.law.exclusion_m=-0.5"], ["herd.law.exclusion_m", "-0.5", "at least 0"]),
+        ([*RUN, "--set", "herd.law.exclusion_m=far"], ["herd.law.exclusion_m", "'far'", "a number"]),
+        ([*RUN, "--set", "herd.law.exclusion_m=[1, 2]"], ["herd.law.exclusion_m", "[1, 2]", "a number"]),
+        ([*RUN, "--set", "herd.law.exclusion_m=1\nseed = 3"], ["not a TOML value"]),
+        ([*RUN, "--set", "duration_s=0"], ["duration_s", "from 0.1"]),
+        ([*RUN, "--set", "duration_s=1e"], ["duration_s", "'1e'", "TOML"]),
+        ([*RUN, "--set", "duration_s=1", "--set", "duration_s=2"], ["duration_s", "twice"]),
+        ([*RUN, "--set", "herd.count=1.5"], ["herd.count", "1.5", "whole number"]),
+        ([*RUN, "--sweep", "herd.law.exclusion_m"], ["herd.law.exclusion_m", "KEY=A,B,C"]),
+        ([*RUN, "--sweep", "herd.speed_m_s=0.1,0.1"], ["0.1", "twice"]),
+        ([*RUN, "--sweep", "herd.speed_m_s=0.1,,0.2"], ["herd.speed_m_s", "TOML"]),
+        ([*RUN, "--sweep", "herd.speed_m_s=0.1,fast"], ["herd.speed_m_s", "'fast'", "a number"]),
+        ([*RUN, "--sweep", "duration_s=1,2", "--set", "duration_s=3"], ["duration_s", "set and swept"]),
+        (["report"], ["no run below runs/"]),
+        (["play"], ["no run below runs/"]),
+        (["resume"], ["no run below runs/"]),
+        (["report", "nowhere"], ["nowhere", "run.json"]),
+        (["play", "nowhere"], ["nowhere", "run.json"]),
+        (["resume", "nowhere"], ["nowhere", "run.json"]),
+        (["play", "nowhere", "--trial", "0"], ["--trial", "'0'"]),
+        (["world", "detection-case-study", "--out", "no/such/folder/world.xml"], ["no/such/folder", "No such file"]),
+        (["world", "detection-case-study"], ["--out"]),
+        (["bench", "--compare", "nowhere.json"], ["nowhere.json"]),
+    ],
+)
+def test_bad_words(refused, words: list[str], expected: list[str]) -> None:
+    line = refused(*words)
+    for part in expected:
+        assert part in line
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("def law(:\n", "line 1"),
+        ("x = 1\n", "law"),
+        (LAW_HEAD + "    return 1.0, 2.0\n", "Motion"),
+        (LAW_HEAD + "    return Motion(Kind.VELOCITY, math.nan, 0.0, 0)\n", "nan"),
+        (
+            LAW_HEAD
+            + "    x = members.positions[len(members.positions), 0]\n    return Motion(Kind.VELOCITY, x, 0.0, 0)\n",
+            "",
+        ),
+    ],
+)
+def test_a_users_law_that_cannot_be_used(refused, tmp_path: Path, text: str, expected: str) -> None:
+    (tmp_path / "mine.py").write_text(text)
+    line = refused(*RUN, "--law", "mine.py", "--out", "out")
+    assert "mine.py" in line
+    assert expected in line
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_users_law_named_by_a_setting_is_tried_out_as_well(refused, tmp_path: Path) -> None:
+    (tmp_path / "mine.py").write_text("def law(:\n")
+    assert "mine.py" in refused(*RUN, "--set", 'herd.law="mine.py"', "--out", "out")
+    assert "mine.py" in refused(*RUN, "--sweep", "herd.law=snn,mine.py", "--out", "out")
+
+
+def test_a_law_that_never_returns_is_stopped(
+    refused,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    from trials import lawcheck
+
+    monkeypatch.setattr(lawcheck, "CALL_LIMIT_S", 1.0)
+    (tmp_path / "mine.py").write_text(LAW_HEAD + "    while True:\n        pass\n")
+    line = refused(*RUN, "--law", "mine.py", "--out", "out")
+    assert "did not return" in line
+
+
+def test_a_folder_that_holds_another_run_stays_as_it_is(refused, tmp_path: Path) -> None:
+    make_run(tmp_path / "out")
+    line = refused(*RUN, "--repeats", "1", "--out", "out")
+    assert "out holds a run" in line
+    assert "herd resume out" in line
+
+
+def test_a_folder_that_cannot_be_made(refused, tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("mine")
+    assert "is a file" in refused(*RUN, "--out", "file")
+    assert "file/out: Not a directory" in refused(*RUN, "--out", "file/out")
+    (tmp_path / "runs").write_text("mine")
+    assert "cannot write runs" in refused(*RUN)
+
+
+def test_damaged_and_newer_results(refused, tmp_path: Path) -> None:
+    for command in ("resume", "report", "play"):
+        for name in ("damaged", "newer", "empty", "json"):
+            folder = tmp_path / name
+            shutil.rmtree(folder, ignore_errors=True)
+            make_run(folder)
+        (tmp_path / "damaged" / "results.sqlite").write_bytes(b"nonsense" * 1000)
+        (tmp_path / "empty" / "results.sqlite").write_bytes(b"")
+        (tmp_path / "json" / "run.json").write_text("{")
+        with sqlite3.connect(tmp_path / "newer" / "results.sqlite") as connection:
+            connection.execute("PRAGMA user_version = 99")
+        connection.close()
+        assert "run.json is damaged" in refused(command, "json")
+        if command != "play":  # which reads no results
+            assert "damaged" in refused(command, "damaged")
+            assert "not the results of a run" in refused(command, "empty")
+            assert "format 99" in refused(command, "newer")
+
+
+def test_a_trial_that_was_not_recorded_cannot_be_played(refused, tmp_path: Path) -> None:
+    make_run(tmp_path / "run")
+    assert "no trial of run was recorded" in refused("play", "run")
+    assert "trial 1" in refused("play", "run", "--trial", "1")
+    assert "trial 9" in refused("play", "run", "--trial", "9")
+
+
+def test_a_run_that_another_process_is_at_is_left_alone(refused, tmp_path: Path) -> None:
+    make_run(tmp_path / "run")
+    with store.alone(tmp_path / "run"):
+        assert "another process" in refused("resume", "run")
+
+
+@pytest.mark.parametrize(
+    ("text", "indices"), [("1", [1]), ("1-4,9", [1, 2, 3, 4, 9]), ("9, 1-2", [1, 2, 9]), ("2,2,1-3", [1, 2, 3])]
+)
+def test_only_takes_numbers_and_ranges(text: str, indices: list[int]) -> None:
+    assert options.only(text, 9) == indices
+
+
+@pytest.mark.parametrize("text", ["1", "1-4,9", "2-3,7-9", "1,3,5"])
+def test_ranges_is_the_inverse_of_only(text: str) -> None:
+    assert options.ranges(options.only(text, 9)) == text
+
+
+def test_values_are_toml_and_bare_words_are_text() -> None:
+    given = ["a=1", "b=1.0", "c=true", 'd="x y"', "e=member-based", "f=laws/mine.py", "g=-1e-3", "h = 'q'"]
+    assert options.settings(given) == {
+        "a": 1,
+        "b": 1.0,
+        "c": True,
+        "d": "x y",
+        "e": "member-based",
+        "f": "laws/mine.py",
+        "g": -1e-3,
+        "h": "q",
+    }
+    assert options.sweeps(["a=1,2.5", "b=ideal,harsh", 'c="x,y","z"', "d=true,false"]) == {
+        "a": [1, 2.5],
+        "b": ["ideal", "harsh"],
+        "c": ["x,y", "z"],
+        "d": [True, False],
+    }
+    with pytest.raises(InputError, match="twice"):
+        options.sweeps(["a=1", "a=2"])
