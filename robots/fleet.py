@@ -29,7 +29,8 @@ _ROOT, _WHEELS, _SERVOS, _BUMPERS = 0, 1, 3, 5
 class Fleet:
     """The Creates of a compiled model, in the order of their `prefixes`; k is an index into it.
 
-    Around each step: `before_step(data)`, `mj_step`, `after_step(data)`.
+    Around each step: `before_step(data)`, `mj_step`, `after_step(data)`. A fleet belongs to one run from time 0: after
+    a reset of the data, make a new one.
     """
 
     def __init__(self, model: mujoco.MjModel, prefixes: Sequence[str], polling_s: float = odometry.POLLING) -> None:
