@@ -6,6 +6,7 @@ import math
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from functools import partial
 from typing import NamedTuple
 
 import mujoco
@@ -123,11 +124,11 @@ def compare(lasers: Lasers, rays: Rays, data: mujoco.MjData, repeats: int = 20) 
         planar, _ = lasers.cast(data, k)
         differences.append(difference(planar, rays.cast(data, k)[0]))
     for k in range(len(lasers.roots)):
-        fast += _durations(lambda k=k: lasers.trace(data, k), repeats)
+        fast += _durations(partial(lasers.trace, data, k), repeats)
     for k in range(len(lasers.roots)):
         directions = rays.directions(data, k)
         with rays.hidden(k):
-            slow += _durations(lambda k=k, d=directions: rays.shoot(data, k, d), repeats)
+            slow += _durations(partial(rays.shoot, data, k, directions), repeats)
     joined = np.concatenate(differences)
     finite = joined[np.isfinite(joined)]
     return Comparison(

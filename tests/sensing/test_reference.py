@@ -115,20 +115,20 @@ def test_what_a_neighbour_carries_is_seen_and_what_oneself_carries_is_not(arena)
         assert scene.model.geom(int(geoms[340])).name == "pole-1"
 
 
-def test_a_lean_within_the_bound_costs_less_than_a_hundredth(arena):
-    """In the middle of a square room no wall is met at more than 45 degrees, where the beam's turn by 0.2 degrees
-    adds another 0.4 % to the 0.4 % of the range. In this room no leaning beam meets the floor."""
+def test_a_lean_within_the_bound_costs_less_than_four_thousandths(arena):
+    """In the middle of a square room no wall is met at more than 45 degrees, where the beam's turn by 0.08 degrees
+    adds another 0.14 % to the 0.14 % of the range. In this room no leaning beam meets the floor."""
     upright = math.pi / 2
     room = [(1, 0, upright, 1.1, 0.1), (-1, 0, upright, 1.1, 0.1), (0, 1, 0, 1, 0.1), (0, -1, 0, 1, 0.1)]
     scene = arena([(0, 0, 0)], room, mount=(0.0, 0.0, 0.0))
     lasers, rays = both(scene)
     rng = np.random.default_rng(12)
     for _ in range(20):
-        bearing, lean = rng.uniform(-4, 4), math.radians(4.9)
+        bearing, lean = rng.uniform(-4, 4), math.radians(2.99)
         axis = [math.cos(bearing), math.sin(bearing), 0.0]
         scene.data.qpos[3:7] = [math.cos(lean / 2), *(math.sin(lean / 2) * np.array(axis))]
         slow, _ = rays.cast(scene.data, 0)
-        assert np.max(difference(lasers.cast(scene.data, 0)[0], slow) / slow) < 0.01
+        assert np.max(difference(lasers.cast(scene.data, 0)[0], slow) / slow) < 0.004
 
 
 def test_a_geom_in_the_group_that_hides_is_refused(arena):
