@@ -20,6 +20,8 @@ Everything is sent in columns: a call an entity, not a call a row.
 
 from __future__ import annotations
 
+import hashlib
+import json
 from pathlib import Path
 
 import numpy as np
@@ -31,7 +33,7 @@ from flocking.types import Bools, Floats
 from trials import recorded_senses, screen
 from trials.columns import packed, series, times_column
 from trials.measures import GROUP_CUT_M
-from trials.types import TrialResult
+from trials.types import Trial, TrialResult
 
 APPLICATION = "create-herd"
 
@@ -61,7 +63,7 @@ def write(result: TrialResult, path: Path) -> None:
     try:
         recording = rr.RecordingStream(
             APPLICATION,
-            recording_id=f"{trial.experiment}-{trial.index:04d}-{trial.seed}",
+            recording_id=recording_id(trial),
             send_properties=False,
         )
         try:
@@ -84,6 +86,12 @@ def write(result: TrialResult, path: Path) -> None:
         file.seek(-min(16, path.stat().st_size), 2)
         if b"FOOT" not in file.read():
             raise OSError(f"cannot write {path}: the file was cut short")
+
+
+def recording_id(trial: Trial) -> str:
+    """The same for the same trial, different for different ones: the viewer merges recordings of one id."""
+    content = json.dumps(trial.as_dict(), sort_keys=True, default=str).encode()
+    return f"{trial.experiment}-{trial.index:04d}-{hashlib.blake2b(content, digest_size=6).hexdigest()}"
 
 
 def _world(recording: rr.RecordingStream, result: TrialResult) -> None:
@@ -118,10 +126,7 @@ def _robots(recording: rr.RecordingStream, result: TrialResult) -> None:
 
 
 def _body(recording: rr.RecordingStream, robot: str, name: str, radius: float, colour: NDArray[np.uint32]) -> None:
-    """What stands still in the robot's frame: a disc with its name, and an arrow ahead.
-
-    Two entities: on one, the viewer gives the disc's label to the arrow as well, and at the wrong place.
-    """
+    """What stands still in the robot's frame: a disc with its name, and an arrow ahead."""
     disc = rr.Points2D([[0.0, 0.0]], radii=[radius], colors=colour, labels=[name], draw_order=20.0)
     ahead = rr.Arrows2D(
         origins=[[0.0, 0.0]],
