@@ -59,7 +59,7 @@ def figures(run: Run, folder: Path) -> list[Figure]:
     for formation in dict.fromkeys(trial.formation for trial in trials):
         shown = [(p, at, result(find(pipeline=p, exclusion=at, formation=formation))) for p, at, _ in PUBLISHED]
         first = next((r for *_, r in shown if r is not None), None)
-        ends = [(f"end: {p}, {at:g} m", r, 1.0) for p, at, r in shown]
+        ends = [(f"end\n{p}, {at:g} m", r, 1.0) for p, at, r in shown]
         rows.append((formation, [("start", first, 0.0), *ends]))
     found = [
         draw.save(

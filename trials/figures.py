@@ -12,7 +12,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from flocking.types import Floats
 from trials.claims import Entry
 from trials.measures import ABOUT
 from trials.summary import Cell, mean, named
@@ -25,8 +24,17 @@ ROBOT_COLOURS = ("#1f77b4", "#d62728", "#2ca02c", "#9467bd", "#ff7f0e", "#17becf
 SERIES_COLOURS = ("#0072b2", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#d55e00", "#999999", "#000000")
 """Okabe and Ito's, which most readers can tell apart."""
 VERDICT_COLOURS = {True: "#0b7a34", False: "#b3261e", None: "#777777"}
-STYLE = {"font.size": 8, "axes.spines.top": False, "axes.spines.right": False, "svg.fonttype": "none"}
-MOST_ARROWS = 12
+STYLE = {
+    "font.size": 8,
+    "axes.titlesize": 8,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "svg.fonttype": "none",
+}
+
+
+NO_METADATA = dict.fromkeys(("Date", "Creator", "Format", "Type"))
+"""Of an SVG: no time of day, and no addresses of vocabularies."""
 
 
 class Figure(NamedTuple):
@@ -46,7 +54,7 @@ def save(canvas: Canvas, folder: Path, name: str, title: str, caption: str, dots
     path = folder / "figures" / f"{name}.{'png' if dots else 'svg'}"
     path.parent.mkdir(parents=True, exist_ok=True)
     with mpl.rc_context({**STYLE, "svg.hashsalt": name}):  # ids differ from figure to figure on one page
-        canvas.savefig(path, dpi=140, metadata=None if dots else {"Date": None})
+        canvas.savefig(path, dpi=140, metadata=None if dots else NO_METADATA)
     return Figure(name, title, caption, path)
 
 
@@ -57,6 +65,7 @@ def inputs_over_time(panels: Sequence[tuple[str, TrialResult | None]]) -> Canvas
     """
     columns = min(2, len(panels))
     canvas, axes = _grid(len(panels), columns, width=8.4, height=2.3, share=True)
+    farthest = 0.0
     for axis, (title, result) in zip(axes, panels, strict=True):
         axis.set_title(title, loc="left")
         if result is None:
@@ -67,11 +76,12 @@ def inputs_over_time(panels: Sequence[tuple[str, TrialResult | None]]) -> Canvas
         positions = updates.input_positions.astype(np.float64)
         distances, who = np.hypot(positions[:, 0], positions[:, 1]), updates.robots[of_update]
         times, made_up = updates.times[of_update], updates.input_owners < 0
+        axis.plot(times[made_up], distances[made_up], ",", color="black", alpha=0.5, rasterized=True)
         for robot, colour in zip(range(len(result.robot_names)), itertools.cycle(ROBOT_COLOURS), strict=False):
             own = (who == robot) & ~made_up
             axis.plot(times[own], distances[own], ",", color=colour, rasterized=True)
-        axis.plot(times[made_up], distances[made_up], ".", ms=1.2, color="black", rasterized=True)
-        axis.set_ylim(bottom=0.0)
+        farthest = max(farthest, float(distances.max(initial=0.0)))
+    axes[0].set_ylim(0.0, 1.03 * farthest or 1.0)
     for axis in axes[-columns:]:
         axis.set_xlabel("time (s)")
     for axis in axes[::columns]:
@@ -81,19 +91,25 @@ def inputs_over_time(panels: Sequence[tuple[str, TrialResult | None]]) -> Canvas
 
 def trajectories(panels: Sequence[tuple[str, TrialResult | None]], columns: int = 3) -> Canvas:
     """The ways of all robots, seen from above; a dot where each ends."""
-    canvas, axes = _grid(len(panels), columns, width=9.6, height=1.5, share=True)
+    ways = [result.poses_w[..., :2].reshape(-1, 2) for _, result in panels if result is not None]
+    everywhere = np.concatenate([*ways, np.zeros((1, 2))])
+    low, high = np.nanmin(everywhere, axis=0) - 0.5, np.nanmax(everywhere, axis=0) + 0.5
+    width = 9.6 / columns
+    height = float(np.clip(width * (high - low)[1] / (high - low)[0], 0.6, 1.5 * width)) + 0.2
+    canvas, axes = _grid(len(panels), columns, width=9.6, height=height, share=True)
     for axis, (title, result) in zip(axes, panels, strict=True):
         axis.set_title(title, loc="left")
+        axis.set_xlim(low[0], high[0])
+        axis.set_ylim(low[1], high[1])
+        axis.set_aspect("equal", adjustable="box")
         if result is None:
             _absent(axis)
             continue
-        positions = result.poses_w[..., :2]
-        _walls(axis, result, positions)
-        for robot, colour in zip(range(positions.shape[1]), itertools.cycle(ROBOT_COLOURS), strict=False):
-            way = positions[::5, robot]
+        _walls(axis, result)
+        for robot, colour in zip(range(len(result.robot_names)), itertools.cycle(ROBOT_COLOURS), strict=False):
+            way = result.poses_w[::5, robot]
             axis.plot(way[:, 0], way[:, 1], color=colour, lw=0.7)
-            axis.plot(*positions[-1, robot], "o", color=colour, ms=3)
-        axis.set_aspect("equal", adjustable="box")
+            axis.plot(*result.poses_w[-1, robot, :2], "o", color=colour, ms=3)
     for axis in axes[-columns:]:
         axis.set_xlabel("x (m)")
     return canvas
@@ -108,7 +124,7 @@ def formations(rows: Sequence[tuple[str, Sequence[tuple[str, TrialResult | None,
     from matplotlib.collections import EllipseCollection, LineCollection
 
     columns = max(len(panels) for _, panels in rows)
-    canvas, axes = _grid(len(rows) * columns, columns, width=9.6, height=1.9)
+    canvas, axes = _grid(len(rows) * columns, columns, width=9.6, height=1.7)
     for line, (title, panels) in enumerate(rows):
         for column in range(columns):
             axis = axes[line * columns + column]
@@ -144,7 +160,7 @@ def formations(rows: Sequence[tuple[str, Sequence[tuple[str, TrialResult | None,
             )
             axis.add_collection(LineCollection(list(np.stack([poses[:, :2], noses], axis=1)), colors="black", lw=0.8))
             reach = max(1.2, 1.1 * float(np.abs(poses[:, :2] - centre).max()) + float(result.radii.max()))
-            _walls(axis, result, poses[None, :, :2])
+            _walls(axis, result)
             axis.set_xlim(centre[0] - reach, centre[0] + reach)
             axis.set_ylim(centre[1] - 0.8 * reach, centre[1] + 0.8 * reach)
             axis.text(0.98, 0.02, f"{2 * reach:.1f} m wide", transform=axis.transAxes, ha="right", fontsize=6)
@@ -218,7 +234,7 @@ def _lines(cells: Sequence[Cell]) -> tuple[str | None, dict[str, list[tuple[floa
     lines: dict[str, list[tuple[float, Cell]]] = {}
     for rank, cell in enumerate(cells):
         others: Mapping[str, Any] = {k: v for k, v in cell.conditions.items() if k != longest}
-        at = float(cell.conditions[longest]) if longest in cell.conditions else float(rank)
+        at = float(cell.conditions[longest]) if longest is not None and longest in cell.conditions else float(rank)
         lines.setdefault(named(others), []).append((at, cell))
     return longest, {label: sorted(points, key=lambda point: point[0]) for label, points in lines.items()}
 
@@ -237,16 +253,12 @@ def _grid(count: int, columns: int, width: float, height: float, share: bool = F
     return canvas, axes[:count]
 
 
-def _walls(axis: Any, result: TrialResult, positions: Floats) -> None:
-    """Draws the walls, clipped to where the robots are."""
-    if not len(result.walls_w):
-        return
+def _walls(axis: Any, result: TrialResult) -> None:
+    """Draws the walls; the limits of the axes are the caller's."""
     from matplotlib.collections import LineCollection
 
-    low, high = np.nanmin(positions, axis=(0, 1)) - 1.0, np.nanmax(positions, axis=(0, 1)) + 1.0
-    axis.add_collection(LineCollection(list(result.walls_w.reshape(-1, 2, 2)), colors="#555555", lw=0.8), autolim=False)
-    axis.set_xlim(low[0], high[0])
-    axis.set_ylim(low[1] - 0.5, high[1] + 0.5)
+    walls = LineCollection(list(result.walls_w.reshape(-1, 2, 2)), colors="#555555", lw=0.8)
+    axis.add_collection(walls, autolim=False)
 
 
 def _absent(axis: Any) -> None:

@@ -12,9 +12,18 @@ from typing import Any
 
 from flocking.errors import InputError
 from trials.claims import Entry
-from trials.summary import KEY_MEASURES, Cell, Mean, cells, mean, named
+from trials.summary import Cell, Mean, cells, mean, named
 
 VERDICTS = {True: "holds", False: "does not hold", None: "undecided"}
+COLUMNS = {
+    "acts_as_snn_share": "acts\nas SNN",
+    "reverted_share": "computes\nSNN",
+    "straightness": "straight",
+    "smoothness": "smoothness\nm2",
+    "fn_share": "false\nneg.",
+    "fp_update_share": "false\npos.",
+}
+"""Measures that fit on a terminal, and their headings."""
 STYLES = {True: "green", False: "red", None: "yellow"}
 
 
@@ -154,12 +163,12 @@ def _cells_table(found: Sequence[Cell], title: str) -> Any:
     from rich.table import Table
     from rich.text import Text
 
-    names = [name for name in KEY_MEASURES if any(name in cell.measures for cell in found)]
+    names = [name for name in COLUMNS if any(name in cell.measures for cell in found)]
     table = Table(title=Text(title), box=box.SIMPLE_HEAD, title_justify="left", pad_edge=False)
-    table.add_column("trials", ratio=1, min_width=20)
+    table.add_column("means over n repeats", ratio=1, min_width=20)
     table.add_column("n", justify="right")
     for name in names:
-        table.add_column(name.replace("_", " "), justify="right")
+        table.add_column(COLUMNS[name], justify="right", no_wrap=False)
     for cell in found:
         means = [shown_number(mean(cell, name).measured) for name in names]
         table.add_row(named(cell.conditions), str(cell.done), *means)

@@ -14,14 +14,14 @@ from trials.measures import ABOUT
 from trials.statistics import mean_interval
 
 KEY_MEASURES = (
-    "effective_snn_share",
-    "computed_snn_share",
+    "acts_as_snn_share",
+    "reverted_share",
+    "effective_ha_share",
     "straightness",
     "smoothness",
     "fn_share",
     "fp_update_share",
     "mmd",
-    "groups",
 )
 """Those that a first look needs; every measure of a run is in its report's page."""
 
