@@ -72,9 +72,7 @@ def number_of_groups(positions: Floats, cut: float) -> Ints:
     planes = np.broadcast_to((2.0 * cut + 1.0) * np.arange(frames)[:, None, None], (frames, count, 1))
     points = np.concatenate([flat, planes], axis=2).reshape(-1, 3)
     pairs = cKDTree(points).query_pairs(cut, output_type="ndarray")
-    links = coo_array(
-        (np.ones(len(pairs), dtype=np.int8), (pairs[:, 0], pairs[:, 1])), shape=(len(points),) * 2
-    )
+    links = coo_array((np.ones(len(pairs), dtype=np.int8), (pairs[:, 0], pairs[:, 1])), shape=(len(points),) * 2)
     _, labels = connected_components(links, directed=False)
     _, firsts = np.unique(labels, return_index=True)
     return np.bincount(firsts // count, minlength=frames).astype(np.int64).reshape(shape)

@@ -81,14 +81,6 @@ def _entry(
     )
 
 
-def figures(run: Run, folder: Any) -> list[Any]:
-    """The case study's figures (see trials.detection_figures)."""
-    from trials.detection_figures import figures as drawn
-
-    drawings: list[Any] = drawn(run, folder)
-    return drawings
-
-
 def supplement(run: Run, experiment: str, arm: Mapping[str, Any], besides: Collection[str]) -> Cells:
     """The trials of the newest run of a supplementary experiment whose settings are those of an arm of `run`.
 

@@ -36,9 +36,7 @@ def test_group_speed_cancels_opposite_velocities() -> None:
 def test_mmd_of_a_circle_is_its_radius() -> None:
     angles = 2 * np.pi * np.arange(8) / 8
     circle = 0.7 * np.stack([np.cos(angles), np.sin(angles)], axis=1) + [30.0, -5.0]
-    assert measures.mmd(circle) == pytest.approx(
-        0.7, abs=EXACT * 100
-    )  # centre 30 m away: fewer digits remain
+    assert measures.mmd(circle) == pytest.approx(0.7, abs=EXACT * 100)  # centre 30 m away: fewer digits remain
 
 
 def test_mmd_is_a_median() -> None:

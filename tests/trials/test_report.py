@@ -18,7 +18,7 @@ from made_up_run import MadeUpRun, made_up_run
 from synthetic import synthetic_result
 
 from flocking.errors import InputError
-from trials import detection_claims, report, series, store
+from trials import detection_claims, detection_figures, report, series, store
 from trials.claims import UndecidedError
 from trials.detection_claims import supplement
 from trials.measures import ABOUT
@@ -66,7 +66,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def _experiment(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """The reports' wiring apart from the experiments' files, and away from any real runs."""
     monkeypatch.chdir(tmp_path)
-    module = SimpleNamespace(claims=detection_claims.claims, figures=detection_claims.figures)
+    module = SimpleNamespace(claims=detection_claims.claims, figures=detection_figures.figures)
     known: dict[str, Any] = {"detection-case-study": module}
     monkeypatch.setattr(report, "_experiment", known.get)
 
