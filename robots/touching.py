@@ -27,7 +27,7 @@ def begun(pairs: Ints, points: Floats, owners: Ints, apart: Ints, release: int, 
     count = 0
     for c in range(len(pairs)):
         first, second = owners[pairs[c, 0]], owners[pairs[c, 1]]
-        if first == UNOWNED or second == UNOWNED or first == second:
+        if min(first, second) == UNOWNED or first == second:
             continue
         low, high = min(first, second), max(first, second)
         if apart[low, high] > release and count < len(found):

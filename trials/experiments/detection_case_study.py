@@ -7,7 +7,8 @@ one is a choice. Repeat r has the same formation, start and noise in all nine ce
 from __future__ import annotations
 
 from flocking.parameters import Parameter
-# claims
+from trials.detection_claims import claims
+from trials.detection_figures import figures
 from trials.types import Group, Trial
 from worlds.formations import FORMATIONS
 
@@ -35,4 +36,4 @@ def base(repeat: int) -> Trial:
     )
 
 
-__all__ = ["CONDITIONS", "REPEATS", "SOURCES", "base"]
+__all__ = ["CONDITIONS", "REPEATS", "SOURCES", "base", "claims", "figures"]
