@@ -20,10 +20,16 @@ class TrialFields(NamedTuple):
 
     duration_s: Annotated[
         float,
-        Parameter("s", "the issue's minimum: the trials' length was not published", low=0.1, high=86400.0),
+        Parameter("s", "at least a minute: the length of the trials was not published", low=0.1, high=86400.0),
     ] = 60.0
     timestep_s: Annotated[
-        float, Parameter("s", "of physics: chosen by `herd bench`'s evidence", low=0.001, high=0.02)
+        float,
+        Parameter(
+            "s",
+            "of physics: motion, odometry and scans agree with half of it (tests/trials/test_timestep.py)",
+            low=0.001,
+            high=0.02,
+        ),
     ] = 0.01
     world: Annotated[str, Parameter("", "Fine 2015, section 2.3.1: an obstacle-free corridor", published=True)] = (
         "corridor"
