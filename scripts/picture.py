@@ -1,10 +1,10 @@
 """The picture on the README's first screen: six robots in the corridor, made from a trial that it runs itself.
 
-    python -m scripts.picture [--out docs/herd.png] [--trial 22] [--at TIME]
+    python -m scripts.picture [--out docs/herd.png] [--trial 43] [--at TIME]
 
 Shown at one moment: robots with their headings and the way behind them, the latest scan of each coloured by
 intensity, the inputs that one focal member got from its detection, its way-point, and the rule that chose it.
-Without --at, the moment is the one at which the herd is closest together while the focal member follows HA.
+Without --at, the moment is chosen: all robots near one another, many of them detected, a HA way-point.
 """
 
 from __future__ import annotations
@@ -24,6 +24,8 @@ from trials.types import Scans, TrialResult
 
 BACKGROUND, WALL, TEXT = "#0e1117", "#6e7b8b", "#d7dde4"
 TRAIL_S = 12.0
+WIDTH = 2.0
+"""No robot farther than this from the herd's centre along or across, m, where such a moment exists."""
 INPUT_COLOUR, WAY_POINT_COLOUR = "#ffffff", "#ffb000"
 
 
@@ -31,7 +33,7 @@ def main() -> None:
     """Runs the trial and writes the picture."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--out", type=Path, default=Path("docs/herd.png"))
-    parser.add_argument("--trial", type=int, default=22, help="of detection-case-study, from 1")
+    parser.add_argument("--trial", type=int, default=43, help="of detection-case-study, from 1")
     parser.add_argument("--at", type=float, default=None, metavar="TIME", help="s")
     given = parser.parse_args()
 
@@ -46,14 +48,17 @@ def main() -> None:
 
 
 def moment(result: TrialResult) -> tuple[int, float]:
-    """A focal member and a time (s) worth a look: a HA way-point, many members detected, a close herd."""
+    """A focal member and a time (s) worth a look: a HA way-point, many members detected, all near and moving."""
     updates = result.updates
     sample = np.clip(np.searchsorted(result.times, updates.times) - 1, 0, len(result.times) - 1)
     positions = result.poses_w[sample, :, :2]
     width = np.abs(positions - positions.mean(axis=1, keepdims=True)).max(axis=(1, 2))
     detected = (updates.member_states == 1).sum(axis=1)
     rules = np.array([result.rules[k][rule] for k, rule in zip(updates.robots, updates.rules, strict=True)])
-    score = detected - 1.5 * width + 2.0 * (rules == "hamilton") - 100.0 * (updates.times < TRAIL_S)
+    before = np.maximum(sample - round(TRAIL_S / float(result.times[1] - result.times[0])), 0)
+    moved = np.hypot(*(positions - result.poses_w[before, :, :2]).mean(axis=1).T)
+    score = detected + 2.0 * moved + 2.0 * (rules == "hamilton")
+    score -= 50.0 * (width > WIDTH) + 100.0 * (updates.times < TRAIL_S)
     best = int(np.argmax(np.where(updates.kinds == Kind.WAY_POINT, score, -np.inf)))
     return int(updates.robots[best]), float(updates.times[best])
 
