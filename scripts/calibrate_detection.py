@@ -31,6 +31,7 @@ from sensing.laser import ANGLES, SETTINGS, STEP_RAD, Lasers
 from sensing.pipelines import sensor_based
 from sensing.recognition import Recogniser, recogniser
 from sensing.segments import shape_of, split
+from sensing.templates import group_at
 from sensing.types import Scan, ScanTruth
 from sensing.warping import nearest_shape
 from worlds.walls import Walls, add_walls, closed
@@ -134,8 +135,10 @@ def costs_by_owner(scan: Scan, truth: ScanTruth, state: Recogniser, split_m: flo
     for s in range(segments):
         first, last = state.starts[s], state.starts[s + 1]
         owner = np.bincount(truth.owners[state.readings[first:last]] + 1).argmax() - 1
-        shape_of(state.points, state.readings, first, last, 0.0, 0.0, state.shape)
-        cost = nearest_shape(state.shape, state.templates, state.band, 1.0, 0.0, state.rows)
+        distance = shape_of(state.points, state.readings, first, last, 0.0, 0.0, state.shape)
+        group = group_at(distance, state.limits_m)
+        alike = state.templates[state.groups[group] : state.groups[group + 1]]
+        cost = nearest_shape(state.shape, alike, state.band, 1.0, 0.0, state.rows)
         least[owner] = min(least[owner], cost)
     return least
 

@@ -17,7 +17,7 @@ from flocking.compilation import compiled
 from flocking.parameters import Parameter
 from flocking.types import ANONYMOUS, Floats, Ints, Members, Obstacles
 from sensing.segments import beam_directions, laser_mount, shape_of, split
-from sensing.templates import make_templates
+from sensing.templates import group_at, make_templates
 from sensing.types import NOBODY, Detection
 from sensing.warping import nearest_shape, warp_rows
 
@@ -25,6 +25,9 @@ SAMPLES, BAND = 8, 1
 """Readings to which each segment is resampled, and samples by which the warping may run ahead. Neither is published;
 `python -m scripts.calibrate_detection` compares: fewer samples average more noise out, and the even stretch of time
 leaves little to warp."""
+
+FINE_RAD = 0.005
+"""Angle between the beams of which the templates are made where a scan has but one beam."""
 
 
 class Parameters(NamedTuple):
@@ -36,7 +39,7 @@ class Parameters(NamedTuple):
     """Consecutive readings further apart than this belong to different segments; beyond 1 m in proportion to range."""
     threshold_m: Annotated[
         float, Parameter("m", "python -m scripts.calibrate_detection; Fine 2015, section 2.3.1", low=0.0)
-    ] = 0.0265
+    ] = 0.0305
     """A segment is a member if its warping cost is at most this."""
 
 
@@ -51,7 +54,11 @@ class Recogniser(NamedTuple):
     directions: Floats
     """(B, 2) of the beams."""
     templates: Floats
-    """(K, S, 2) m."""
+    """(K, S, 2) m; these and the next two as in `Templates`."""
+    groups: Ints
+    """(D + 1,)."""
+    limits_m: Floats
+    """(D − 1,)."""
     points: Floats
     """(B, 2) scratch."""
     readings: Ints
@@ -78,7 +85,7 @@ def recogniser(
     `member_model`."""
     beams = len(angles)
     mount_x, mount_y, yaw = laser_mount(member_model)
-    step_rad = float(np.median(np.diff(angles))) if beams > 1 else 1.0
+    step_rad = float(np.median(np.diff(angles))) if beams > 1 else FINE_RAD
     return Recogniser(
         float(parameters.split_m),
         float(parameters.threshold_m),
@@ -86,7 +93,7 @@ def recogniser(
         mount_x,
         mount_y,
         beam_directions(angles, yaw),
-        make_templates(member_model, member_height_m, step_rad, samples, band),
+        *make_templates(member_model, member_height_m, step_rad, samples, band),
         np.zeros((beams, 2)),
         np.zeros(beams, np.int64),
         np.zeros(beams + 1, np.int64),
@@ -112,6 +119,8 @@ def _recognise(
     mount_y: float,
     directions: Floats,
     templates: Floats,
+    groups: Ints,
+    limits_m: Floats,
     points: Floats,
     readings: Ints,
     starts: Ints,
@@ -128,8 +137,9 @@ def _recognise(
     members, foreground = 0, 0
     for s in range(segments):
         start, end = starts[s], starts[s + 1]
-        shape_of(points, readings, start, end, mount_x, mount_y, shape)
-        if nearest_shape(shape, templates, band, threshold_m, threshold_m, rows) <= threshold_m:
+        group = group_at(shape_of(points, readings, start, end, mount_x, mount_y, shape), limits_m)
+        alike = templates[groups[group] : groups[group + 1]]
+        if nearest_shape(shape, alike, band, threshold_m, threshold_m, rows) <= threshold_m:
             kept[members] = s
             members += 1
             foreground += end - start

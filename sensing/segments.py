@@ -92,7 +92,7 @@ def split(
 
 
 @compiled
-def shape_of(points: Floats, readings: Ints, start: int, end: int, x0: float, y0: float, shape: Floats) -> None:
+def shape_of(points: Floats, readings: Ints, start: int, end: int, x0: float, y0: float, shape: Floats) -> float:
     """The shape of the segment `readings[start:end]`, resampled to the rows of `shape` (S, 2), m.
 
     Time is stretched evenly: each of the S samples is the average of an equal share of the readings (weighted
@@ -131,3 +131,4 @@ def shape_of(points: Floats, readings: Ints, start: int, end: int, x0: float, y0
         x, y = shape[k, 0] - mean_x, shape[k, 1] - mean_y
         shape[k, 0] = away_x * x + away_y * y
         shape[k, 1] = away_x * y - away_y * x
+    return length

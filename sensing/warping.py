@@ -1,9 +1,11 @@
 """Dynamic time warping of two shapes (Berndt and Clifford 1994, the method that Fine 2015, section 2.3.1,
 names).
 
-The step pattern is the symmetric one of Sakoe and Chiba (1978, form P = 0): a step along one series costs the
-local distance, a diagonal step twice that, and the sum is divided by the sum of both lengths. So the cost is
-a mean distance in metres, the same in both directions, and does not prefer short paths.
+The step pattern is the symmetric one of Sakoe and Chiba (1978, form P = 0): a step along one series weighs 1, a
+diagonal step 2, and the sum is divided by the sum of both lengths. So the cost is a mean distance in metres, the same
+in both directions, and does not prefer short paths. They charge a step the distance at its end, which changes the
+cost when both series run backwards, as they do in a mirror; here a step is charged the mean of its two ends (and the
+first and the last pair once more), so left and right are equal.
 """
 
 from __future__ import annotations
@@ -18,47 +20,46 @@ from flocking.types import Floats
 
 def warp_rows(samples: int) -> Floats:
     """The scratch space that `warp` needs for shapes of `samples` rows."""
-    return np.full((2, samples + 2), np.inf)
+    return np.full((4, samples + 2), np.inf)
 
 
 @compiled
 def warp(a: Floats, b: Floats, band: int, ceiling: float, rows: Floats) -> float:
     """Mean distance (m) of the best alignment of the shapes `a` and `b`, both (S, 2), m.
 
-    Samples further apart in time than `band` are never paired. Once it is sure that the cost exceeds
-    `ceiling`, the search is abandoned and inf returned; a cost below or at `ceiling` is exact. `rows` is
-    scratch space.
+    Samples further apart in time than `band` are never paired. Once it is sure that the cost exceeds `ceiling`, the
+    search is abandoned and inf returned; a cost below or at `ceiling` is exact. `rows` is scratch space.
     """
-    samples = len(a)
-    most = ceiling * 2.0 * samples
-    last = samples - 1
-    first_pair = math.sqrt((a[0, 0] - b[0, 0]) ** 2 + (a[0, 1] - b[0, 1]) ** 2)
-    last_pair = math.sqrt((a[last, 0] - b[last, 0]) ** 2 + (a[last, 1] - b[last, 1]) ** 2)
-    if last > 0 and 2.0 * first_pair + last_pair > most:
-        return math.inf
-    for i in range(samples):
+    last = len(a) - 1
+    most = ceiling * 2.0 * len(a)
+    end = math.sqrt((a[last, 0] - b[last, 0]) ** 2 + (a[last, 1] - b[last, 1]) ** 2)
+    if last > 0:
+        first = math.sqrt((a[0, 0] - b[0, 0]) ** 2 + (a[0, 1] - b[0, 1]) ** 2)
+        if 1.5 * (first + end) > most:
+            return math.inf
+    for i in range(last + 1):
         now, before = i & 1, 1 - (i & 1)
         low, high = max(0, i - band), min(last, i + band)
         rows[now, low] = math.inf
         rows[now, high + 2] = math.inf
-        least = math.inf
+        least, left, left_distance = math.inf, math.inf, 0.0
         x, y = a[i, 0], a[i, 1]
-        left = math.inf
         for j in range(low, high + 1):
             distance = math.sqrt((x - b[j, 0]) ** 2 + (y - b[j, 1]) ** 2)
-            if i == 0 and j == 0:
-                cost = 2.0 * distance
-            elif i == 0:
-                cost = left + distance
-            else:
-                cost = min(min(left, rows[before, j + 1]) + distance, rows[before, j] + 2.0 * distance)
+            cost = distance
+            if i + j > 0:
+                cost = left + 0.5 * (left_distance + distance)
+                if i > 0:
+                    cost = min(cost, rows[before, j + 1] + 0.5 * (rows[before + 2, j + 1] + distance))
+                    cost = min(cost, rows[before, j] + rows[before + 2, j] + distance)
             rows[now, j + 1] = cost
-            left = cost
+            rows[now + 2, j + 1] = distance
+            left, left_distance = cost, distance
             least = min(least, cost)
         if least > most:
             return math.inf
-    cost = rows[last & 1, samples]
-    return cost / (2.0 * samples) if cost <= most else math.inf
+    cost = rows[last & 1, last + 1] + end
+    return cost / (2.0 * len(a)) if cost <= most else math.inf
 
 
 @compiled
