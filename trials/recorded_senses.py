@@ -92,11 +92,10 @@ def _members(
         return
     starts, ends = updates.input_starts[some], updates.input_starts[some + 1]
     rows = spans(starts, ends)
+    of_update = np.repeat(np.arange(len(some)), ends - starts)[picked[rows]]
     rows = rows[picked[rows]]
-    before = np.r_[0, np.cumsum(picked)]
-    counts = before[ends] - before[starts]
-    poses_w = np.repeat(updates.poses_w[some], counts, axis=0)
-    points = in_world(updates.input_positions[rows], poses_w).astype(np.float32)
+    counts = np.bincount(of_update, minlength=len(some))
+    points = in_world(updates.input_positions[rows], updates.poses_w[some][of_update]).astype(np.float32)
     colours = np.where(updates.input_owners[rows] < 0, np.uint32(FALSE_COLOUR), np.uint32(colour))
     recording.log(entity, rr.Points2D.from_fields(radii=[0.03], draw_order=35.0), static=True)
     columns = rr.Points2D.columns(positions=points, colors=colours)

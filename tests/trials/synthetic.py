@@ -108,9 +108,7 @@ def _in_body(others_w: Floats, pose_w: Floats) -> Floats:
     return np.stack([c * d[:, 0] + s * d[:, 1], -s * d[:, 0] + c * d[:, 1]], axis=1)
 
 
-def _updates(
-    rng: np.random.Generator, times: Floats, robots: np.ndarray, everyone: Floats, pipeline: str
-) -> Updates:
+def _updates(rng: np.random.Generator, times: Floats, robots: np.ndarray, everyone: Floats, pipeline: str) -> Updates:
     """Inputs: one a member (member-based) or some points on each (else), with false positives and misses."""
     count, members = everyone.shape[:2]
     starts, positions, owners = [0], [], []
@@ -155,9 +153,7 @@ def _updates(
     )
 
 
-def _scans(
-    rng: np.random.Generator, times: Floats, robots: np.ndarray, everyone: Floats, which: str
-) -> Scans | None:
+def _scans(rng: np.random.Generator, times: Floats, robots: np.ndarray, everyone: Floats, which: str) -> Scans | None:
     """Beams against the walls and the other robots; codes for no return, too near and error among them."""
     if which == "none":
         return None
