@@ -14,7 +14,7 @@ from trials.types import Trial
 REPEATS = 12
 CONDITIONS = {
     "herd.pipeline": ("member-based", "member-extrapolated", "sensor-based"),
-    "herd.law.exclusion_m": (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 4.0, 5.6),
+    "herd.law.exclusion_m": (0.0, 0.1, 0.2, 0.33, 0.4, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 4.0, 5.6),
 }
 
 

@@ -14,7 +14,7 @@ from trials.types import Trial
 REPEATS = 21
 CONDITIONS = {
     "herd.pipeline": ("perfect", "member-based", "member-extrapolated", "sensor-based"),
-    "herd.law.exclusion_m": (0.0, 0.35, 0.5, 1.0),
+    "herd.law.exclusion_m": (0.0, 0.33, 0.5, 1.0),
 }
 
 
