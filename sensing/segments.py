@@ -64,9 +64,9 @@ def split(
 ) -> tuple[int, int]:
     """Points of all readings and where each segment starts; returns (number of segments, number of readings).
 
-    Writes into preallocated arrays: `points` (B, 2) m, body frame, one a beam; `readings` (B,) the beams that
-    hold a reading, in order; `starts` (B + 1,): segment s is `readings[starts[s]:starts[s + 1]]`. Two
-    points are far apart beyond `split_m`, or beyond `split_m / EVEN_M` times the range of the nearer one.
+    Writes into preallocated arrays: `points` (B, 2) m, body frame, one a beam; `readings` (B,) the beams that hold a
+    reading, in order; `starts` (B + 1,): segment s is `readings[starts[s]:starts[s + 1]]`. The limit of the distance
+    is `split_m`; beyond `EVEN_M`, `split_m / EVEN_M` times the nearer of the two ranges. It is inclusive.
     """
     segments, kept, silent = 0, 0, False
     last_x, last_y, last_range = 0.0, 0.0, 0.0
@@ -95,11 +95,11 @@ def split(
 def shape_of(points: Floats, readings: Ints, start: int, end: int, x0: float, y0: float, shape: Floats) -> float:
     """The shape of the segment `readings[start:end]`, resampled to the rows of `shape` (S, 2), m.
 
-    Time is stretched evenly: each of the S samples is the average of an equal share of the readings (weighted
-    where a reading falls into two shares), so that a near member's many readings average their noise out, and
-    the mean of the samples is the mean of the readings. Then the shape is moved to its mean and turned so
-    that its first axis points away from the laser at (x0, y0): neither bearing nor distance remain, only form
-    and size.
+    Time is stretched evenly: each of the S samples is the average of an equal share of the readings (weighted where
+    a reading falls into two shares), so that a near member's many readings average their noise out, and the mean of
+    the samples is the mean of the readings. Then the shape is moved to its mean and turned so that its first axis
+    points away from the laser at (x0, y0): neither bearing nor distance remain, only form and size. Returns the
+    distance (m) from the laser to the mean.
     """
     samples, count = len(shape), end - start
     share = count / samples

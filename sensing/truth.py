@@ -1,11 +1,10 @@
-"""What a pipeline missed and what it made up, against what really stood there. For measures only: no robot
-knows.
+"""What a pipeline missed and what it made up, against what really stood there. For measures only: no robot knows.
 
-A member is HIDDEN while no beam falls on it, DETECTED if at least one input is its own, else MISSED (a false
-negative). An input is owned by whoever made most of its beams; by nobody (a false positive) if most of them
-belong to nobody: to a wall, or to a reading between two surfaces. Beams likewise: `lit` fell on members,
-`missed` are those of them that made no input (those lost in the sensor, too), `made_up` made an input but
-belong to nobody.
+A member is HIDDEN while no beam falls on it, DETECTED if at least one input is its own, else MISSED (a false negative).
+An input is owned by whoever made most of its beams; by nobody (a false positive) if most of them belong to nobody: to
+a wall, or to a reading between two surfaces. Beams likewise: `lit` fell on members, `missed` are those of them that
+made no input (those lost in the sensor, too), `made_up` made an input but belong to nobody. At an edge a reading can be
+a member's though the middle of its beam fell beside it; so lit and found beams are set off member by member.
 """
 
 from __future__ import annotations
@@ -66,7 +65,7 @@ def _judge(
     robots = len(lit)
     counts = np.zeros((inputs, robots + 1), np.int16)
     most, owners = np.zeros(inputs, np.int16), np.full(inputs, NOBODY, np.int16)
-    found, made_up = 0, 0
+    found, made_up = np.zeros(robots, np.int64), 0
     for beam in range(len(beams)):
         row = beams[beam]
         if row < 0:
@@ -75,7 +74,7 @@ def _judge(
         if owner < 0:
             made_up += 1
         else:
-            found += 1
+            found[owner] += 1
         counts[row, owner + 1] += 1
         count = counts[row, owner + 1]
         # Equal shares go to a member before nobody, then to the lower index: whatever the order of the beams.
@@ -84,12 +83,13 @@ def _judge(
             most[row] = count
             owners[row] = owner
     states = np.full(robots, HIDDEN)
-    all_lit = 0
+    all_lit, missed = 0, 0
     for robot in range(robots):
         if robot != focal and lit[robot] > 0:
             states[robot] = MISSED
             all_lit += lit[robot]
+            missed += max(0, lit[robot] - found[robot])
     for row in range(inputs):
         if owners[row] >= 0 and owners[row] != focal:
             states[owners[row]] = DETECTED
-    return owners, states, all_lit, all_lit - found, made_up
+    return owners, states, all_lit, missed, made_up

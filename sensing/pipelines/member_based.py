@@ -1,9 +1,9 @@
 """Member-based detection (Fine 2015, sections 2.2 and 2.3.1): one input for each member recognised by its
 shape.
 
-The input is the average of the member's foreground readings, as published. They lie on the side that faces
-the laser, so the input lies about 0.2 body radii behind the nearest point of the surface and 0.8 before the
-centre.
+The input is the average of the member's foreground readings, as published. They lie on the side that faces the laser,
+so the input stands before the member's centre: by 0.80 radii far away, 0.92 where the two touch (0.13 to 0.15 m for
+Creates; the mean over equal steps of bearing).
 """
 
 from __future__ import annotations

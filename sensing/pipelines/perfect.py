@@ -4,10 +4,11 @@ A member is detected while any part of its silhouette is in range, inside the fi
 `occlusion`, in sight: hidden neither by a wall nor by another member's disc. The defaults are the laser's own
 range and field of view, so that what differs from the laser's pipelines is detection alone.
 
-The geometry of the inputs differs from theirs, and a claim of equivalence must allow for it: here a position
-is the member's centre. Member-based detection gives the mean of the facing surface, 0.7 to 0.8 radii nearer
-(0.12 to 0.13 m for a Create); member-extrapolated and sensor-based detection give points on the surface
-itself, up to one radius (0.165 m) nearer and up to one radius to either side.
+The geometry of the inputs differs from theirs, and a claim of equivalence must allow for it: here a position is the
+member's centre. Member-based detection gives the mean of the facing surface, 0.80 to 0.92 radii nearer (0.13 to
+0.15 m for Creates); member-extrapolated and sensor-based detection give points on the surface itself, up to one
+radius (0.165 m) nearer and up to one radius to either side. A member of which 1/16 shows is an input here, while
+member-based detection wants its whole shape.
 """
 
 from __future__ import annotations
@@ -27,8 +28,7 @@ from sensing.types import Detection, Senses
 READS = frozenset({"truth"})
 
 SIGHT_LINES = 16
-"""Lines of sight evenly across each silhouette; choice: a gap narrower than 1/16 of a member may go
-unseen."""
+"""Lines of sight evenly across each silhouette; choice: less than 1/16 of a member may go unseen."""
 NO_BEAMS = np.empty(0, np.int64)
 
 

@@ -1,8 +1,9 @@
 """Sensor-based detection (Fine 2015, section 2.2): every reading above a threshold of intensity is an input.
 
-Nothing is known of a member's shape. A reading without a range gives no input: there is no place to put it.
-One without an intensity (every second beam, where the laser gives intensity at half its resolution) is
-neither foreground nor background. Runs of background readings, split as segments are, give the obstacles.
+Nothing is known of a member's shape. A reading without a range gives no input: there is no place to put it. One
+without an intensity is neither foreground nor background. (Where the laser tells bright from dark by code 18 alone,
+nothing is detected at all: its bright readings have no range.) Runs of background readings, split as segments are, give
+the obstacles. Inputs are points on the surface, up to one body radius before the member's centre.
 """
 
 from __future__ import annotations
@@ -26,9 +27,7 @@ READS = frozenset({"scan", "intensity"})
 class Parameters(NamedTuple):
     """What is bright; not published, so chosen on data of our own."""
 
-    threshold: Annotated[
-        float, Parameter("", "python -m scripts.calibrate_detection; Fine 2015, section 2.3.1", low=0.0)
-    ] = 17.0
+    threshold: Annotated[float, Parameter("", "chosen: python -m scripts.calibrate_detection", low=0.0)] = 17.0
     """Least intensity of the foreground, relative to white paper seen head-on at 1 m."""
     split_m: Annotated[float, Parameter("m", "as in member-based detection; for obstacles only", low=0.0)] = (
         recognition.Parameters().split_m

@@ -58,6 +58,13 @@ def test_nothing_detected_and_nothing_there():
     assert said[2:] == (0, 0, 0)
 
 
+def test_a_reading_at_an_edge_that_no_beam_lit_makes_up_for_no_other_member():
+    # two edge readings are member 1's beside its one lit beam; member 2's two beams are missed all the same
+    said = judge(detection([0, 0, 0, -1, -1], 1), truth([1, 1, 1, 2, 2], [0, 1, 2]), focal=0, robots=3)
+    assert said.states.tolist() == [HIDDEN, DETECTED, MISSED]
+    assert (said.lit, said.missed, said.made_up) == (3, 2, 0)
+
+
 def test_without_beams_owners_are_the_ids():
     members = members_at(np.ones((2, 2)))._replace(ids=np.array([3, 1]))
     for known in (None, truth([], [0, 5, 5, 5])):
