@@ -249,7 +249,10 @@ def first_recorded(folder: Path) -> int:
 
 @contextmanager
 def alone(folder: Path) -> Iterator[None]:
-    """Holds the run for this process. Raises `InputError` if another one is running trials into it."""
+    """Holds the run for this process, and clears away what a killed one left half-written.
+
+    Raises `InputError` if another process is running trials into it.
+    """
     with _reading(folder / RUN):
         handle = os.open(folder / RUN, os.O_RDONLY)
     try:
@@ -260,6 +263,10 @@ def alone(folder: Path) -> Iterator[None]:
     except OSError:  # a file system without locks
         pass
     try:
+        for part in (SERIES, RECORDINGS):
+            for path in (folder / part).glob(".*"):
+                with _writing(path):
+                    path.unlink(missing_ok=True)
         yield
     finally:
         os.close(handle)

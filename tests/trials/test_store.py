@@ -228,5 +228,7 @@ def test_only_one_process_may_run_the_trials_of_a_folder(tmp_path: Path) -> None
         store.alone(tmp_path / "run"),
     ):
         pass
+    half = tmp_path / "run" / "series" / ".0001.npz.123"
+    half.write_bytes(b"of a killed process")
     with store.alone(tmp_path / "run"):
-        pass
+        assert not half.exists()
