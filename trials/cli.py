@@ -173,11 +173,9 @@ def play(
     web: Annotated[bool, Option("--web", help="In the browser instead of the viewer.")] = False,
 ) -> None:
     """Plays a trial's recording in Rerun."""
-    where = _run_folder(folder)
-    chosen = trial if trial is not None else _first_recorded(where)
     from trials.playback import play
 
-    play(where, chosen, web=web)
+    play(folder, trial, web=web)
 
 
 @app.command()
@@ -264,12 +262,6 @@ def _run_folder(folder: Path | None) -> Path:
     from trials.store import newest
 
     return newest()
-
-
-def _first_recorded(folder: Path) -> int:
-    from trials.store import first_recorded
-
-    return first_recorded(folder)
 
 
 if __name__ == "__main__":

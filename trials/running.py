@@ -233,29 +233,35 @@ def _go(kept: Store, jobs: int) -> int:
 
 
 def _close(kept: Store, rows: Sequence[Row], new: int, seconds: float) -> None:
-    """The closing words: what was run, the report, where everything is."""
+    """The report's table and the closing words, which stand even if there is no making a report."""
     from trials.report import report
 
+    try:
+        print(report(kept.folder))
+    finally:
+        print("\n".join(["", *_closing(kept, rows, new, seconds)]))
+
+
+def _closing(kept: Store, rows: Sequence[Row], new: int, seconds: float) -> list[str]:
+    """What was run, what failed, where everything is."""
     folder = kept.folder
     failed = [row for row in rows if row.status != "done"]
-    print(report(folder))
-    took = (
-        f", {new} of them now, in {progress.duration(seconds)}"
-        if new < len(rows)
-        else f" in {progress.duration(seconds)}"
-    )
-    print(f"\n{len(rows)} trials: {len(rows) - len(failed)} done, {len(failed)} failed{took}")
+    done = f"{len(rows) - len(failed)} done, {len(failed)} failed"
+    took = f", {new} of them now, in" if new < len(rows) else " in"
+    lines = [f"{len(rows)} trials: {done}{took} {progress.duration(seconds)}"]
     for row in failed[:SHOWN_FAILURES]:
-        print(progress.failure(row))
-        print(f"  once more, with its traceback: {kept.run.get('command')} --only {row.index} --debug")
+        lines.append(progress.failure(row))
+        lines.append(f"  once more, with its traceback: {kept.run.get('command')} --only {row.index} --debug")
     if len(failed) > SHOWN_FAILURES:
-        print(f"… and {len(failed) - SHOWN_FAILURES} more failed; all are in {folder / store.RESULTS}")
-    print(f"results     {folder}")
-    print(f"report      {folder / 'report.html'}")
+        lines.append(f"… and {len(failed) - SHOWN_FAILURES} more failed; all are in {folder / store.RESULTS}")
+    lines.append(f"results     {folder}")
+    if (folder / "report.html").exists():
+        lines.append(f"report      {folder / 'report.html'}")
     recorded = [row.index for row in rows if kept.recording(row.index)]
     if recorded:
-        print(f"recordings  {folder / store.RECORDINGS}, {len(recorded)} of {len(rows)} trials")
-        print(f"play one    herd play {shlex.quote(str(folder))} --trial {recorded[0]}")
+        lines.append(f"recordings  {folder / store.RECORDINGS}, {len(recorded)} of {len(rows)} trials")
+        lines.append(f"play one    herd play {shlex.quote(str(folder))} --trial {recorded[0]}")
+    return lines
 
 
 def _toml(value: Any) -> str:

@@ -238,15 +238,6 @@ def next_folder(experiment: str, base: Path = Path("runs")) -> Path:
                 number += 1
 
 
-def first_recorded(folder: Path) -> int:
-    """The first trial of a run that has a recording. Raises `InputError` if none has."""
-    found = sorted(path.stem for path in (folder / RECORDINGS).glob("*.rrd") if path.stem.isdigit())
-    if not found:
-        _read_run(folder)
-        raise InputError(f"no trial of {folder} was recorded: run it with --record all or --record first")
-    return int(found[0])
-
-
 @contextmanager
 def alone(folder: Path) -> Iterator[None]:
     """Holds the run for this process, and clears away what a killed one left half-written.

@@ -130,7 +130,7 @@ if __name__ == "__main__":
 
 
 def start_batch(tmp_path: Path, acts: list[str]) -> subprocess.Popen[str]:
-    """A batch in a process group of its own, waited for until its hanging trial has begun."""
+    """A batch in a process group of its own, whose first two trials are kept and a hanging one has begun."""
     script = tmp_path / "go.py"
     script.write_text(BATCH.format(here=str(Path(__file__).parent), acts=acts, folder=str(tmp_path / "run")))
     marker = tmp_path / "spinning"
@@ -143,7 +143,7 @@ def start_batch(tmp_path: Path, acts: list[str]) -> subprocess.Popen[str]:
         env={**os.environ, "FAKE_SPINNING": str(marker)},
     )
     deadline = time.monotonic() + 60
-    while not marker.exists():
+    while not (marker.exists() and {1, 2} <= {row[0] for row in table(tmp_path / "run")}):
         assert process.poll() is None, process.communicate()
         assert time.monotonic() < deadline
         time.sleep(0.05)

@@ -53,7 +53,6 @@ def test_what_is_kept_comes_back_in_order_of_index(tmp_path: Path) -> None:
     assert again.trials == TRIALS
     assert again.recording(1) is not None
     assert again.recording(3) is None
-    assert store.first_recorded(tmp_path / "run") == 1
     assert (tmp_path / "run" / "series" / "0003.npz").read_bytes() == b"series 3"
     assert (tmp_path / "run" / "code" / "mine.py").read_text() == "law = 1\n"
 
@@ -200,8 +199,6 @@ def test_a_missing_or_damaged_series_is_told(tmp_path: Path) -> None:
         kept.series(1)
     with pytest.raises(InputError, match="trial 2 left no series"):
         kept.series(2)
-    with pytest.raises(InputError, match=r"no trial of .* was recorded"):
-        store.first_recorded(tmp_path / "run")
 
 
 def test_folders_are_numbered_and_the_newest_is_found(tmp_path: Path) -> None:
