@@ -49,4 +49,4 @@ def compiled(function: Callable[..., Any]) -> Any:
 
     `.py_func` is the plain one.
     """
-    return numba.njit(cache=True, fastmath=False)(function)
+    return numba.njit(cache=True, error_model="numpy")(function)

@@ -8,6 +8,7 @@ counter-clockwise. Missing is nan.
 from __future__ import annotations
 
 from enum import IntEnum
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -91,17 +92,19 @@ class Motion(NamedTuple):
     """Index into the law's `RULES`: which of them spoke."""
 
 
+@cache
+def unknown(count: int) -> tuple[Floats, Floats, Ints]:
+    """Headings (M,), velocities (M, 2) and ids (M,) of so many members of which none is known.
+
+    The same arrays each time: nobody may write to them, as to no `Members`.
+    """
+    return np.full(count, np.nan), np.full((count, 2), np.nan), np.full(count, ANONYMOUS, dtype=np.int64)
+
+
 def members_at(positions: Floats) -> Members:
     """Anonymous members of which only the positions (M, 2) are known."""
     positions = np.ascontiguousarray(positions, dtype=np.float64).reshape(-1, 2)
-    count = len(positions)
-    return Members(
-        positions,
-        np.arctan2(positions[:, 1], positions[:, 0]),
-        np.full(count, np.nan),
-        np.full((count, 2), np.nan),
-        np.full(count, ANONYMOUS, dtype=np.int64),
-    )
+    return Members(positions, np.arctan2(positions[:, 1], positions[:, 0]), *unknown(len(positions)))
 
 
 NO_MEMBERS = members_at(np.empty((0, 2)))

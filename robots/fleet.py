@@ -102,15 +102,17 @@ class Fleet:
     def velocity(self, k: int) -> tuple[float, float]:
         """Mean speed (m/s) and turn rate (rad/s) by odometry since this was last asked for robot k.
 
-        The answer before, where no request was made in between.
+        The answer before, where no request was made in between. Contacts stay latched.
         """
-        row = self._state[k]
-        elapsed = row[_SINCE + 2] * self._clock[0]
-        if elapsed > 0.0:
-            self._last_velocity[k] = row[_SINCE] / elapsed, row[_SINCE + 1] / elapsed
-            row[_SINCE : _SINCE + 3] = 0.0
-        speed, turn_rate = self._last_velocity[k]
-        return float(speed), float(turn_rate)
+        motion, latched = np.empty(3), self._state[k, _LATCHED : _LATCHED + 2].copy()
+        self.own(k, motion, np.empty(2, dtype=np.bool_))
+        self._state[k, _LATCHED : _LATCHED + 2] = latched
+        return float(motion[0]), float(motion[2])
+
+    def own(self, k: int, motion: Floats, contacts: Bools) -> None:
+        """`velocity` and `take_contacts` of robot k in one call: fills motion (3,), its velocity over ground in its
+        own axes (m/s) and its turn rate (rad/s), and contacts (2,)."""
+        _own(self._state, k, self._clock[0], self._last_velocity, motion, contacts)
 
     @property
     def bumpers(self) -> Bools:
@@ -122,6 +124,19 @@ class Fleet:
         latched = self._state[k, _LATCHED : _LATCHED + 2] > 0.0
         self._state[k, _LATCHED : _LATCHED + 2] = 0.0
         return latched
+
+
+@compiled
+def _own(state: Floats, k: int, period: float, last: Floats, motion: Floats, contacts: Bools) -> None:
+    row = state[k]
+    elapsed = row[_SINCE + 2] * period
+    if elapsed > 0.0:
+        last[k, 0], last[k, 1] = row[_SINCE] / elapsed, row[_SINCE + 1] / elapsed
+        row[_SINCE], row[_SINCE + 1], row[_SINCE + 2] = 0.0, 0.0, 0.0
+    motion[0], motion[1], motion[2] = last[k, 0], 0.0, last[k, 1]
+    for side in range(2):
+        contacts[side] = row[_LATCHED + side] > 0.0
+        row[_LATCHED + side] = 0.0
 
 
 @compiled

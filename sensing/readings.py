@@ -45,6 +45,12 @@ class Settings(NamedTuple):
 
 
 @compiled
+def settings_of(row: Floats) -> Settings:
+    """The settings that `np.array(settings)` holds."""
+    return Settings(row[0], row[1], row[2], row[3], row[4], int(row[5]), row[6])
+
+
+@compiled
 def decoded(code: float) -> float:
     """The range (m) that a raw number of the laser (mm, or a code below 20) stands for, as in REP 117."""
     if code >= FIRST_RANGE_MM:
@@ -157,7 +163,8 @@ def report(
     """Fill `ranges` (B,) as in `Scan`, and the ground truth `reading_owners` (B,) and `lit` (N,).
 
     `draws` (2 B,) are whole numbers below 65536: one for the noise and one for the drop-out of each beam;
-    `normals` (65536,) turns the first into a normal deviate. A mixed reading belongs to the nearer of its two surfaces
+    the first twelve bits
+    of the former choose one of the `normals` (4096,). A mixed reading belongs to the nearer of its two surfaces
     where it is close enough to it, else to nobody.
     """
     dropout = settings.dropout * 65536.0
@@ -178,7 +185,7 @@ def report(
         if j >= 0 and distances[j] < math.inf:
             middle = true + shares[i] * (distances[j] - true)
         sigma = deviation(settings.noise_m, middle)
-        reading = middle + sigma * normals[draws[2 * i]]
+        reading = middle + sigma * normals[draws[2 * i] >> 4]
         if true < NEAREST_M or reading < NEAREST_M:
             ranges[i] = -math.inf
             continue
@@ -225,7 +232,7 @@ def report_light(
     for i in range(BEAMS):
         j = partners[i]
         middle = returns[i] + (shares[i] * (returns[j] - returns[i]) if j >= 0 else 0.0)
-        intensities[i] = middle * max(1.0 + settings.intensity_noise * normals[draws[i]], 0.0)
+        intensities[i] = middle * max(1.0 + settings.intensity_noise * normals[draws[i] >> 4], 0.0)
     if settings.mode == HALF_RESOLUTION:
         for i in range(0, BEAMS, 2):
             intensities[i] = intensities[i + 1]

@@ -12,6 +12,7 @@ accepted (false positives), the more so the farther it stands, where noise is as
 from __future__ import annotations
 
 import math
+from functools import cache
 from typing import Annotated, NamedTuple
 
 import mujoco
@@ -19,7 +20,7 @@ import numpy as np
 
 from flocking.compilation import compiled
 from flocking.parameters import Parameter
-from flocking.types import ANONYMOUS, Floats, Ints, Members, Obstacles
+from flocking.types import Floats, Ints, Members, Obstacles, unknown
 from sensing.segments import beam_directions, laser_mount, shape_of, split
 from sensing.templates import group_at, make_templates
 from sensing.types import NOBODY, Detection
@@ -92,6 +93,8 @@ def recogniser(
     beams = len(angles)
     mount_x, mount_y, yaw = laser_mount(member_model)
     step_rad = float(np.median(np.diff(angles))) if beams > 1 else FINE_RAD
+    templates = make_templates(member_model, member_height_m, step_rad, samples, band)
+    points, readings, starts, kept, shape, rows = _scratch(beams, samples)
     return Recogniser(
         float(parameters.split_m),
         float(parameters.threshold_m),
@@ -99,7 +102,20 @@ def recogniser(
         mount_x,
         mount_y,
         beam_directions(angles, yaw),
-        *make_templates(member_model, member_height_m, step_rad, samples, band),
+        *templates,
+        points,
+        readings,
+        starts,
+        kept,
+        shape,
+        rows,
+    )
+
+
+@cache
+def _scratch(beams: int, samples: int) -> tuple[Floats, Ints, Ints, Ints, Floats, Floats]:
+    """One for all robots of a process: every scan writes it over, and it stays in the processor's cache."""
+    return (
         np.zeros((beams, 2)),
         np.zeros(beams, np.int64),
         np.zeros(beams + 1, np.int64),
@@ -111,8 +127,8 @@ def recogniser(
 
 def recognise(ranges: Floats, state: Recogniser, average: bool) -> Detection:
     """The members in `ranges` (B,) m: one input each (`average`), or one for each of their readings."""
-    *members, obstacles, beams = _recognise(ranges, *state, average)
-    return Detection(Members(*members), Obstacles(obstacles), beams)
+    positions, bearings, obstacles, beams = _recognise(ranges, *state, average)
+    return Detection(Members(positions, bearings, *unknown(len(bearings))), Obstacles(obstacles), beams)
 
 
 @compiled
@@ -134,8 +150,8 @@ def _recognise(
     shape: Floats,
     rows: Floats,
     average: bool,
-) -> tuple[Floats, Floats, Floats, Floats, Ints, Floats, Ints]:
-    """The fields of `Members`, then of `Obstacles`, then the row of each beam; all newly made.
+) -> tuple[Floats, Floats, Floats, Ints]:
+    """Positions and bearings of the inputs, points of the obstacles, the row of each beam; all newly made.
 
     `kept` lists the segments that are members from its start, and those that are obstacles from its end.
     """
@@ -154,8 +170,7 @@ def _recognise(
 
     inputs = members if average else foreground
     positions, bearings = np.zeros((inputs, 2)), np.empty(inputs)
-    headings, velocities = np.full(inputs, np.nan), np.full((inputs, 2), np.nan)
-    ids, beams = np.full(inputs, ANONYMOUS, np.int64), np.full(len(ranges), NOBODY, np.int64)
+    beams = np.full(len(ranges), NOBODY, np.int64)
     row = 0
     for m in range(members):
         start, end = starts[kept[m]], starts[kept[m] + 1]
@@ -182,4 +197,4 @@ def _recognise(
                 nearest = readings[i]
         obstacles[k, 0] = points[nearest, 0]
         obstacles[k, 1] = points[nearest, 1]
-    return positions, bearings, headings, velocities, ids, obstacles, beams
+    return positions, bearings, obstacles, beams

@@ -51,10 +51,11 @@ def figures(run: Run, folder: Path) -> list[Figure]:
     ]
     cells = list(dict.fromkeys((trial.conditions.get(PIPELINE), trial.conditions.get(EXCLUSION)) for trial in trials))
     ways = [
-        (f"{pipeline}, {at:g} m", result(find(pipeline=pipeline, exclusion=at, repeat=repeat)))
+        (_cell_name(pipeline, at), result(find(pipeline=pipeline, exclusion=at, repeat=repeat)))
         for pipeline, at in cells
-        if pipeline is not None and at is not None
     ]
+    if not any(panel for _, panel in inputs):  # another law or detection: none of the publication's cells
+        inputs = ways
     rows = []
     for formation in dict.fromkeys(trial.formation for trial in trials):
         shown = [(p, at, result(find(pipeline=p, exclusion=at, formation=formation))) for p, at, _ in PUBLISHED]
@@ -83,3 +84,7 @@ def figures(run: Run, folder: Path) -> list[Figure]:
         caption = "Each starting formation, and where it ends in the cells of figures 2.6 to 2.9. Discs are to scale."
         found.append(draw.save(draw.formations(rows), folder, "formations", "Formations", caption))
     return found
+
+
+def _cell_name(pipeline: Any, at: Any) -> str:
+    return ", ".join([*([str(pipeline)] if pipeline else []), *([f"{at:g} m"] if at is not None else [])]) or "all"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import cache
 from types import ModuleType
 from typing import Any
 
@@ -18,8 +19,16 @@ from sensing.laser import Lasers
 from sensing.types import Detection, PipelineState, ScanTruth, Senses, WorldTruth
 from trials.types import Group
 
+_AHEAD = 64
+"""Updates for which a law's random numbers are drawn at once."""
 _NO_COMPASS = float("nan")
 _NO_GOAL = np.full(2, np.nan)
+
+
+@cache
+def _everyone(sets: int, members: int) -> Bools:
+    """Masks that keep everybody. Laws do not write to their sets."""
+    return np.ones((sets, members), dtype=np.bool_)
 
 
 class LawError(ValueError):
@@ -56,7 +65,14 @@ class Robot:
     """Speed (m/s) and turn rate (rad/s) decided last."""
     own: Own | None = None
     _own_row: Floats = field(default_factory=lambda: np.full(OWN_SIZE, np.nan))
+    _contacts: Bools = field(default_factory=lambda: np.zeros(2, dtype=np.bool_))
+    _draws: Floats = field(default_factory=lambda: np.empty((0, 0)))
+    _drawn: int = 0
     _motion_row: Floats = field(default_factory=lambda: np.zeros(4))
+
+    def __post_init__(self) -> None:
+        self._velocity = self._own_row[0:2]
+        self._own_row[8], self._own_row[9], self._own_row[10] = self.dt, self.index, 0.0
 
     def sense(
         self, data: Any, time: float, truth: WorldTruth | None, *, record: bool
@@ -65,13 +81,10 @@ class Robot:
 
         Nothing that nobody reads is sensed, unless it is recorded.
         """
-        speed, turn_rate = self.fleet.velocity(self.index)
-        contacts = self.fleet.take_contacts(self.index)
-        velocity = np.array((speed, 0.0))
-        self.own = Own(velocity, turn_rate, _NO_COMPASS, _NO_GOAL, contacts, self.dt, self.index, 0)
-        row = self._own_row
-        row[0], row[1], row[2] = speed, 0.0, turn_rate
-        row[6], row[7], row[8], row[9], row[10] = contacts[0], contacts[1], self.dt, self.index, 0.0
+        row, contacts = self._own_row, self._contacts
+        self.fleet.own(self.index, row, contacts)
+        row[6], row[7] = contacts
+        self.own = Own(self._velocity, float(row[2]), _NO_COMPASS, _NO_GOAL, contacts, self.dt, self.index, 0)
         if self.lasers is None or not (record or "scan" in self.reads or "intensity" in self.reads):
             return Senses(None, truth), None
         rng = self.intensity_rng if record or "intensity" in self.reads else None
@@ -85,6 +98,8 @@ class Robot:
 
     def select(self, members: Members) -> Bools:
         """Stage 3: masks (S, M)."""
+        if not any(self.selections):
+            return _everyone(len(self.selections), len(members.ids))
         sets = np.ones((len(self.selections), len(members.ids)), dtype=np.bool_)
         for s, steps in enumerate(self.selections):
             if steps:
@@ -93,7 +108,7 @@ class Robot:
 
     def decide(self, detection: Detection, sets: Bools) -> Motion:
         """Stage 4. Raises `LawError` if the law returns an unknown kind or rule, or numbers that are not finite."""
-        draws = self.law_rng.random(self.law.draws)
+        draws = self._draw()
         row = self._motion_row
         members = detection.members
         self.law.entry(
@@ -117,6 +132,14 @@ class Robot:
                 f"law {self.law.name!r} returned kind {kind:g}, x {x:g}, y {y:g}, rule {rule:g} for {self.name}"
             )
         return Motion(int(kind), x, y, int(rule))
+
+    def _draw(self) -> Floats:
+        """The next uniform numbers (DRAWS,) of the law's stream, drawn many at a time."""
+        if self._drawn == len(self._draws):
+            self._draws, self._drawn = self.law_rng.random((_AHEAD, self.law.draws)), 0
+        self._drawn += 1
+        draws: Floats = self._draws[self._drawn - 1]
+        return draws
 
     def drive(self, motion: Motion) -> tuple[float, float]:
         """Stage 5, first half: what the wheels shall do; takes effect when `apply` is called after the latency."""

@@ -37,6 +37,7 @@ class World:
     _owners: Ints
     _apart: Ints
     _began: Floats
+    _release: int
     contacts: list[tuple[float, ...]] = field(default_factory=list)
     """One row for each touch that began: time, robot, other (−1 = a wall), x, y."""
     observers: list[Callable[[mujoco.MjData], None]] = field(default_factory=list)
@@ -46,16 +47,15 @@ class World:
     def advance(self, to: int) -> None:
         """Steps physics until tick `to`: wheel ramps before every step, encoders and contacts after it."""
         model, data, fleet, step = self.model, self.data, self.fleet, mujoco.mj_step
-        release = round(touching.APART_S / model.opt.timestep)
+        contact, began = data.contact, self._began
         while self.tick < to:
             fleet.before_step(data)
             step(model, data)
             fleet.after_step(data)
             self.tick += 1
-            contact = data.contact
-            count = touching.begun(contact.geom, contact.pos, self._owners, self._apart, release, self._began)
-            for row in self._began[:count]:
-                self.contacts.append((data.time, *row.tolist()))
+            count = touching.begun(contact.geom, contact.pos, self._owners, self._apart, self._release, began)
+            if count:
+                self.contacts += [(data.time, *row) for row in began[:count].tolist()]
             for observe in self.observers:
                 observe(data)
 
@@ -89,6 +89,7 @@ def build(
         _owners=_geom_owners(model, fleet.root_bodies),
         _apart=np.full((len(names), len(names) + 1), NEVER, dtype=np.int64),
         _began=np.empty((_NEW_CONTACTS, 4)),
+        _release=round(touching.APART_S / timestep_s),
     )
 
 

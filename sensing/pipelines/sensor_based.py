@@ -9,6 +9,7 @@ the obstacles. Inputs are points on the surface, up to one body radius before th
 from __future__ import annotations
 
 import math
+from functools import cache
 from typing import Annotated, NamedTuple
 
 import mujoco
@@ -16,7 +17,7 @@ import numpy as np
 
 from flocking.compilation import compiled
 from flocking.parameters import Parameter
-from flocking.types import ANONYMOUS, Floats, Ints, Members, Obstacles, Own
+from flocking.types import Floats, Ints, Members, Obstacles, Own, unknown
 from sensing import recognition
 from sensing.segments import beam_directions, laser_mount, split
 from sensing.types import NOBODY, Detection, Senses
@@ -61,18 +62,23 @@ def start(parameters: Parameters, member_model: mujoco.MjModel, member_height_m:
         mount_x,
         mount_y,
         beam_directions(angles, yaw),
-        np.zeros((len(angles), 2)),
-        np.zeros(len(angles), np.int64),
-        np.zeros(len(angles) + 1, np.int64),
+        *_scratch(len(angles)),
     )
+
+
+@cache
+def _scratch(beams: int) -> tuple[Floats, Ints, Ints]:
+    """One for all robots of a process: every scan writes it over, and it stays in the processor's cache."""
+    return np.zeros((beams, 2)), np.zeros(beams, np.int64), np.zeros(beams + 1, np.int64)
 
 
 def detect(senses: Senses, own: Own, state: State) -> tuple[Detection, State]:
     """One row a bright reading, in the order of the beams."""
     scan = senses.scan
     assert scan is not None
-    *members, obstacles, beams = _detect(scan.ranges, scan.intensities, *state)
-    return Detection(Members(*members), Obstacles(obstacles), beams), state
+    positions, bearings, obstacles, beams = _detect(scan.ranges, scan.intensities, *state)
+    members = Members(positions, bearings, *unknown(len(bearings)))
+    return Detection(members, Obstacles(obstacles), beams), state
 
 
 @compiled
@@ -87,8 +93,8 @@ def _detect(
     points: Floats,
     readings: Ints,
     starts: Ints,
-) -> tuple[Floats, Floats, Floats, Floats, Ints, Floats, Ints]:
-    """The fields of `Members`, then of `Obstacles`, then the row of each beam; all newly made."""
+) -> tuple[Floats, Floats, Floats, Ints]:
+    """Positions and bearings of the inputs, points of the obstacles, the row of each beam; all newly made."""
     segments, kept = split(ranges, directions, mount_x, mount_y, split_m, points, readings, starts)
     beams = np.full(len(ranges), NOBODY, np.int64)
     inputs = 0
@@ -123,9 +129,6 @@ def _detect(
     return (
         positions,
         bearings,
-        np.full(inputs, np.nan),
-        np.full((inputs, 2), np.nan),
-        np.full(inputs, ANONYMOUS, np.int64),
         surfaces,
         beams,
     )

@@ -68,9 +68,9 @@ def test_noise_is_that_of_the_data_sheet(arena, distance, setting, expected):
 
 
 def test_normal_deviates_are_normal():
-    assert abs(NORMALS.mean()) < 1e-12  # symmetric
-    assert NORMALS.std() == pytest.approx(1.0, abs=1e-4)  # what 65536 cells lose in the tails
-    assert (abs(NORMALS) > 3).mean() == pytest.approx(0.0026998, abs=2 / 65536)  # a cell at each end
+    assert abs(NORMALS.mean(dtype=float)) < 1e-7  # symmetric, in single precision
+    assert NORMALS.std(dtype=float) == pytest.approx(1.0, abs=1e-3)  # what 4096 cells lose in the tails
+    assert (abs(NORMALS) > 3).mean() == pytest.approx(0.0026998, abs=2 / 4096)  # a cell at each end
 
 
 def test_readings_are_whole_millimetres(arena):
