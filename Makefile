@@ -22,3 +22,4 @@ setup: .venv/ready
 # The pictures in the README and in docs/.
 pictures: setup
 	@$(BIN)/python -m scripts.picture
+	@$(BIN)/python -m scripts.formations

@@ -15,7 +15,7 @@ from flocking.types import Kind
 from trials.design import plan
 from trials.loop import run_trial
 from trials.streams import Purpose, stream
-from trials.types import Group, Trial, TrialResult
+from trials.types import Trial, TrialResult
 
 PIPELINES = ("member-based", "member-extrapolated", "sensor-based", "perfect")
 
@@ -109,7 +109,7 @@ class TestClock:
 
     def test_a_longer_latency_moves_the_robots_later(self) -> None:
         def first_motion(latency_s: float) -> float:
-            done = run_trial(herd(trial(duration_s=1.5), latency_s=latency_s, pipeline="perfect"))
+            done = run_trial(herd(trial(duration_s=1.5), latency_s=latency_s, pipeline="perfect", start_moving=False))
             moved = np.abs(done.poses_w[:, :, :2] - done.poses_w[0, :, :2]).max(axis=(1, 2)) > 5e-3
             return float(done.times[moved][0])
 
@@ -183,8 +183,11 @@ class TestFailures:
 
 
 class TestHold:
-    def test_a_robot_that_sees_nobody_keeps_its_last_command(self) -> None:
-        lonely = dataclasses.replace(trial(duration_s=2.0), groups=(Group(count=1),))
-        updates = run_trial(lonely).updates
-        assert set(updates.kinds.tolist()) == {int(Kind.HOLD)}
-        assert np.all(updates.commands == 0.0)
+    @pytest.mark.parametrize(("start_moving", "speed"), [(True, 0.25), (False, 0.0)])
+    def test_a_robot_that_sees_nobody_keeps_its_last_command(self, start_moving: bool, speed: float) -> None:
+        lonely = herd(trial(duration_s=2.0, world="open-floor"), count=1, start_moving=start_moving)
+        done = run_trial(lonely)
+        assert set(done.updates.kinds.tolist()) == {int(Kind.HOLD)}
+        assert np.all(done.updates.commands == (speed, 0.0))
+        # the wheels' ramp costs a fraction of a second
+        assert speed * 1.5 <= done.poses_w[-1, 0, 0] - done.poses_w[0, 0, 0] + 0.05 <= speed * 2.0 + 0.06

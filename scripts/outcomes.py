@@ -1,0 +1,85 @@
+"""Writes the outcomes of runs of the detection case study into docs/detection-case-study.md.
+
+    python -m scripts.outcomes runs/detection-case-study/001 runs/detection-case-study/002 …
+
+One column for each arm of each run, in the order given; the first run is the reference. Numbers come from
+`herd report`, never from here.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from flocking.errors import InputError
+from trials.report import report
+from trials.store import opened
+
+PAGE = Path(__file__).parents[1] / "docs" / "detection-case-study.md"
+BEGIN, END = "<!-- outcomes: begin", "<!-- outcomes: end -->"
+VERDICTS = {True: "holds", False: "does not hold", None: "undecided"}
+
+
+def main(folders: Sequence[str]) -> None:
+    """Replaces what stands between the page's marks."""
+    columns: dict[str, list[dict[str, object]]] = {}
+    commands = []
+    for folder in folders:
+        entries = json.loads(report(Path(folder), as_json=True))
+        store = opened(Path(folder))
+        commands.append(_command(store.run))
+        store.close()
+        for entry in entries:
+            arm = entry.get("arm") or {}
+            name = ", ".join(f"{key.rsplit('.', 1)[-1]} {value}" for key, value in arm.items()) or "as published"
+            columns.setdefault(name, []).append(entry)
+    text = PAGE.read_text(encoding="utf-8")
+    start, end = text.index(BEGIN), text.index(END)
+    mark = text[start : text.index("-->", start) + 3]
+    PAGE.write_text(f"{text[:start]}{mark}\n\n{_tables(columns, commands)}\n{text[end:]}", encoding="utf-8")
+
+
+def _command(run: dict[str, object]) -> str:
+    return f"`{run['command']}`" if "command" in run else f"`herd run {run['experiment']}`"
+
+
+def _tables(columns: dict[str, list[dict[str, object]]], commands: list[str]) -> str:
+    reference = next(iter(columns))
+    lines = ["## Outcomes", "", "Made by `python -m scripts.outcomes` from the runs of"]
+    lines += [f"- {command}" for command in dict.fromkeys(commands)]
+    lines += ["", f"### The 63 trials ({reference})", ""]
+    lines += ["| # | claim | measured | interval | margin | n | verdict |", "|---|---|---|---|---|---|---|"]
+    for number, entry in enumerate(columns[reference], start=1):
+        numbers = (
+            f"{_number(entry['measured'])} | {_interval(entry)} | {_number(entry['margin'])} | {entry['n'] or '-'}"
+        )
+        lines.append(f"| {number} | {entry['published']} | {numbers} | {VERDICTS[entry['agrees']]} |")  # type: ignore[index]
+    lines += ["", "What each number is stands in the report (`quantity` and `test`).", ""]
+    lines += ["### With other sensors and with the choices that were not published halved and doubled", ""]
+    lines += ["+ holds, − does not hold, ? undecided; the number is that on which the verdict hangs.", ""]
+    lines += ["| arm | " + " | ".join(str(n) for n in range(1, len(columns[reference]) + 1)) + " |"]
+    lines += ["|---" * (len(columns[reference]) + 1) + "|"]
+    signs = {True: "+", False: "−", None: "?"}
+    for name, entries in columns.items():
+        cells = [f"{signs[entry['agrees']]} {_number(entry['measured'])}" for entry in entries]  # type: ignore[index]
+        lines.append(f"| {name} | " + " | ".join(cells) + " |")
+    return "\n".join(lines) + "\n"
+
+
+def _number(value: object) -> str:
+    return f"{value:.2f}" if isinstance(value, int | float) else "-"
+
+
+def _interval(entry: dict[str, object]) -> str:
+    if entry["low"] is None or entry["high"] is None:
+        return "-"
+    return f"{_number(entry['low'])} to {_number(entry['high'])}"
+
+
+if __name__ == "__main__":
+    try:
+        main(sys.argv[1:])
+    except InputError as error:
+        sys.exit(f"scripts.outcomes: {error}")
