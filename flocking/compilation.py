@@ -8,10 +8,13 @@ from __future__ import annotations
 
 import hashlib
 import os
+import tempfile
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 from typing import Any
+
+from flocking.errors import InputError
 
 PACKAGES = ("flocking", "robots", "sensing")
 """Packages that may hold compiled code: a test sees to it that no other does."""
@@ -32,11 +35,30 @@ def sources_digest() -> str:
 
 @cache
 def cache_folder() -> Path:
-    """Where compiled code is kept: `$CREATE_HERD_CACHE` or the user's cache folder, then the sources' hash."""
-    base = os.environ.get(CACHE_VARIABLE)
-    if base is None:
-        base = os.path.join(os.environ.get("XDG_CACHE_HOME", os.path.expanduser("~/.cache")), "create-herd")
-    return Path(base) / sources_digest()
+    """Where compiled code is kept, in a folder named by the sources' hash.
+
+    Below `$CREATE_HERD_CACHE`, which must then be writable (else `InputError`), or the user's cache folder, or, where
+    that cannot be written, a folder for temporary files.
+    """
+    digest = sources_digest()
+    named = os.environ.get(CACHE_VARIABLE)
+    if named is not None:
+        if not _writable(Path(named) / digest):
+            raise InputError(f"{CACHE_VARIABLE} = {named!r} cannot be written; expected a folder for compiled code")
+        return Path(named) / digest
+    users = Path(os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")) / "create-herd" / digest
+    if _writable(users):
+        return users
+    return Path(tempfile.gettempdir()) / f"create-herd-{os.getuid()}" / digest
+
+
+def _writable(folder: Path) -> bool:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            return True
+    except OSError:
+        return False
 
 
 os.environ.setdefault("NUMBA_CACHE_DIR", str(cache_folder()))
