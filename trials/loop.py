@@ -11,7 +11,6 @@ import numpy as np
 from flocking.errors import InputError
 from flocking.types import Floats
 from sensing.truth import judge
-from sensing.types import WorldTruth
 from trials.herd import Herd, assemble
 from trials.log import SAMPLE_S, Log
 from trials.robot import LawError
@@ -108,5 +107,3 @@ def _check(herd: Herd, poses_w: Floats) -> None:
     if np.abs(poses_w[:, 0]).max() > world.free_length:
         raise TrialError(f"a robot reached the end of {herd.trial.world!r}")
 
-
-__all__ = ["TrialError", "WorldTruth", "run", "run_trial"]
