@@ -106,4 +106,3 @@ def _check(herd: Herd, poses_w: Floats) -> None:
         raise TrialError("physics diverged")
     if np.abs(poses_w[:, 0]).max() > world.free_length:
         raise TrialError(f"a robot reached the end of {herd.trial.world!r}")
-

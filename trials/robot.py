@@ -72,6 +72,10 @@ class Robot:
 
     def __post_init__(self) -> None:
         self._velocity = self._own_row[0:2]
+        self._reads_intensity = "intensity" in self.reads
+        self._reads_scan = self._reads_intensity or "scan" in self.reads
+        lasers = self.lasers
+        self._free_intensity = lasers is not None and lasers.parameters[self.index].intensity_mode == "ideal"
         self._own_row[8], self._own_row[9], self._own_row[10] = self.dt, self.index, 0.0
 
     def sense(
@@ -79,15 +83,16 @@ class Robot:
     ) -> tuple[Senses, ScanTruth | None]:
         """Stage 1. The second value is ground truth: it goes past the robot, to the log.
 
-        Nothing that nobody reads is sensed, unless it is recorded.
+        Nothing that nobody reads is sensed, unless it is recorded. Where intensity costs ranges (the laser's modes but
+        `ideal`) a recording goes without it, so that it does not change what the robot sees.
         """
         row, contacts = self._own_row, self._contacts
         self.fleet.own(self.index, row, contacts)
         row[6], row[7] = contacts
         self.own = Own(self._velocity, float(row[2]), _NO_COMPASS, _NO_GOAL, contacts, self.dt, self.index, 0)
-        if self.lasers is None or not (record or "scan" in self.reads or "intensity" in self.reads):
+        if self.lasers is None or not (record or self._reads_scan):
             return Senses(None, truth), None
-        rng = self.intensity_rng if record or "intensity" in self.reads else None
+        rng = self.intensity_rng if self._reads_intensity or (record and self._free_intensity) else None
         scan, scan_truth = self.lasers.read(data, self.index, time, self.range_rng, rng)
         return Senses(scan, truth), scan_truth
 

@@ -70,6 +70,11 @@ class TestEveryPipeline:
         assert again.scans is not None
         assert len(again.scans.times) == len(again.updates.times)
 
+    @pytest.mark.parametrize("mode", ["half-resolution", "strong-code"])
+    def test_a_recording_changes_nothing_in_any_mode_of_intensity(self, pipeline: str, mode: str) -> None:
+        moded = herd(trial(duration_s=1.0), pipeline=pipeline, sensor_parameters={"intensity_mode": mode})
+        assert_same(run_trial(moded), run_trial(moded, scans="all"))
+
     def test_inputs_belong_to_updates(self, pipeline: str) -> None:
         updates = result(pipeline).updates
         assert updates.input_starts[-1] == len(updates.input_positions) == len(updates.input_owners)
