@@ -22,11 +22,11 @@ CACHE_VARIABLE = "CREATE_HERD_CACHE"
 
 
 @cache
-def sources_digest() -> str:
-    """A hash over the names and texts of all Python files of the packages that hold compiled code."""
+def sources_digest(packages: tuple[str, ...] = PACKAGES) -> str:
+    """A hash over the names and texts of all Python files of these packages: those that hold compiled code."""
     digest = hashlib.sha256()
     home = Path(__file__).resolve().parent.parent
-    for package in PACKAGES:
+    for package in packages:
         for path in sorted((home / package).rglob("*.py")):
             digest.update(path.relative_to(home).as_posix().encode())
             digest.update(path.read_bytes())

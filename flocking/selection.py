@@ -12,9 +12,7 @@ from collections.abc import Callable
 import numpy as np
 
 from flocking.errors import InputError, unknown_name
-from flocking.types import Bools, Ints, Members, Own
-
-Selection = Callable[[Members, Own], Bools]
+from flocking.types import Bools, Ints, Members
 
 
 def everyone(members: Members) -> Bools:

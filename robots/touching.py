@@ -13,28 +13,58 @@ APART_S = 0.5
 """s that two must have been apart before they are said to touch anew: robots that push one another rattle. A choice."""
 
 
-@compiled
-def begun(pairs: Ints, points: Floats, owners: Ints, apart: Ints, release: int, found: Floats) -> int:
-    """Contacts that began in this step: writes them to `found`, and how long each pair has been apart to `apart`.
+FORCE = 0.5
+"""N with which two must press on one another to be said to touch: what presses a bumper's switch
+(robots/fleet.py). MuJoCo lists contacts from a few millimetres' distance on, where there is no force yet. A choice."""
 
-    pairs (C, 2): geoms of each contact; points (C, 3); owners (ngeom,): robot 0 to N − 1, N for walls, or `UNOWNED`;
-    apart (N, N + 1): steps since each pair touched last, column N for walls, the smaller robot in the row; release:
-    steps apart after which a touch is a new one; found (F, 4): rows robot, other (−1 = wall), x, y. Returns how many
-    rows it wrote.
+
+@compiled
+def any_hull(pairs: Ints, owners: Ints) -> bool:
+    """Whether any contact (C, 2) is one between hulls or of a hull and a wall; owners as in `begun`."""
+    found = False
+    for c in range(len(pairs)):
+        found |= min(owners[pairs[c, 0]], owners[pairs[c, 1]]) != UNOWNED
+    return found
+
+
+@compiled
+def begun(
+    pairs: Ints,
+    points: Floats,
+    rows: Ints,
+    dimensions: Ints,
+    forces: Floats,
+    owners: Ints,
+    last: Ints,
+    tick: int,
+    release: int,
+    found: Floats,
+) -> int:
+    """Touches that began in this step: writes them to `found`, and the tick of each pair's last touch to `last`.
+
+    pairs (C, 2): geoms of each contact; points (C, 3); rows (C,): its first row in the solver's forces, −1 = none;
+    dimensions (C,): 1, or more with friction (a pyramid of 2 (dimension − 1) edges, whose sum is the normal force);
+    forces (nefc,), N; owners (ngeom,): robot 0 to N − 1, N for walls, or `UNOWNED`; last (N, N + 1): column N for
+    walls, the smaller robot in the row; release: ticks apart after which a touch is a new one; found (F, 4): rows
+    robot, other (−1 = wall), x, y. Returns how many rows it wrote.
     """
-    robots = apart.shape[0]
-    apart += 1
+    robots = last.shape[0]
     count = 0
     for c in range(len(pairs)):
         first, second = owners[pairs[c, 0]], owners[pairs[c, 1]]
-        if min(first, second) == UNOWNED or first == second:
+        if min(first, second) == UNOWNED or first == second or rows[c] < 0:
+            continue
+        force = 0.0
+        for row in range(rows[c], rows[c] + (1 if dimensions[c] == 1 else 2 * (dimensions[c] - 1))):
+            force += forces[row]
+        if force < FORCE:
             continue
         low, high = min(first, second), max(first, second)
-        if apart[low, high] > release and count < len(found):
+        if tick - last[low, high] > release and count < len(found):
             found[count, 0] = low
             found[count, 1] = high if high < robots else -1
             found[count, 2] = points[c, 0]
             found[count, 3] = points[c, 1]
             count += 1
-        apart[low, high] = 0
+        last[low, high] = tick
     return count

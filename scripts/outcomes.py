@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from flocking.errors import InputError
@@ -41,7 +41,7 @@ def main(folders: Sequence[str]) -> None:
     PAGE.write_text(f"{text[:start]}{mark}\n\n{_tables(columns, commands)}\n{text[end:]}", encoding="utf-8")
 
 
-def _command(run: dict[str, object]) -> str:
+def _command(run: Mapping[str, object]) -> str:
     return f"`{run['command']}`" if "command" in run else f"`herd run {run['experiment']}`"
 
 

@@ -22,7 +22,6 @@ from flocking.errors import InputError, unknown_name
 from flocking.parameters import Parameter
 from flocking.types import Floats, Ints
 from sensing import planar, readings, scan, sweep
-from sensing.intensity import NEAREST_M
 from sensing.slice import Slice, body_name, moving_body, owner_of, reference_pose, slice_at
 from sensing.types import Scan, ScanTruth
 
@@ -30,7 +29,6 @@ BEAMS = planar.BEAMS
 STEP_RAD = planar.STEP_RAD
 ANGLES: Floats = STEP_RAD * (planar.FIRST_STEP + np.arange(BEAMS, dtype=np.float64))
 """(682,) bearing of each beam in the laser's frame, rad: −119.53 to +119.88 degrees, counter-clockwise."""
-MIN_RANGE_M = NEAREST_M
 MAX_RANGE_M = readings.FARTHEST_M
 PERIOD_S = sweep.TURN_S
 """P: 10 scans a second."""

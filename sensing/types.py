@@ -55,6 +55,8 @@ class Senses(NamedTuple):
 
     scan: Scan | None
     truth: WorldTruth | None
+    owners: Ints | None = None
+    """(B,) as in `ScanTruth`: for the pipelines of perfect classification only."""
 
 
 class Detection(NamedTuple):

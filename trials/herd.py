@@ -16,6 +16,7 @@ from flocking.types import Floats
 from robots import create
 from sensing import laser
 from sensing.types import PipelineState, WorldTruth
+from trials.log import SAMPLE_S
 from trials.robot import Robot
 from trials.streams import Purpose, stream
 from trials.types import Group, Trial
@@ -60,6 +61,7 @@ def assemble(trial: Trial, record: bool) -> Herd:
     if not groups:
         raise InputError("the trial has no robots: expected a count of at least 1 in some group")
     names = [f"{trial.groups[g].name}-{k + 1}" for g, k in numbers]
+    check(trial)
     start = stream(trial.seed, trial.repeat, 0, 0, Purpose.START)
     poses_w = formations.poses(trial.formation, len(groups), start)
     world = build(
@@ -70,7 +72,6 @@ def assemble(trial: Trial, record: bool) -> Herd:
         poses_w,
         trial.timestep_s,
     )
-    _check_room(trial, world, poses_w)
     pipelines = [found.load(PIPELINE, group.pipeline, "pipeline") for group in groups]
     reads = [frozenset(pipeline.READS) for pipeline in pipelines]
     lasers = None
@@ -134,8 +135,7 @@ def _robot(
     def draw(purpose: Purpose) -> np.random.Generator:
         return stream(trial.seed, trial.repeat, group_number + 1, member, purpose)
 
-    period = ticks(1.0 / group.rate_hz, trial.timestep_s, f"1 / {group.name}.rate_hz", at_least=1)
-    latency = ticks(group.latency_s, trial.timestep_s, f"{group.name}.latency_s", at_least=0)
+    period, latency = clock(group, trial.timestep_s)
     phase = int(draw(Purpose.PHASE).random() * period) if group.phase == "random" else 0
     pipeline = found.load(PIPELINE, group.pipeline, "pipeline")
     law = lawentry.load(group.law, group.law_source)
@@ -195,13 +195,30 @@ def _check_information(law: lawentry.Law, group: Group, reads: frozenset[str]) -
         )
 
 
-def _check_room(trial: Trial, world: World, poses_w: Floats) -> None:
-    """Refuses a corridor that robots could leave behind."""
+def check(trial: Trial) -> None:
+    """Refuses, before anything is built, a trial whose numbers do not fit one another.
+
+    Clocks must be whole numbers of physics steps, and no robot may be able to leave its world behind. Raises
+    `InputError`.
+    """
+    ticks(SAMPLE_S, trial.timestep_s, "the time between samples", at_least=1)
+    for group in trial.groups:
+        clock(group, trial.timestep_s)
+    module = found.load(WORLD, trial.world, "world")
+    free_length = module.free_length(filled(module.Parameters, trial.world_parameters, prefix="world."))
+    count = sum(group.count for group in trial.groups)
+    poses_w = formations.poses(trial.formation, count, stream(trial.seed, trial.repeat, 0, 0, Purpose.START))
     fastest = max(min(group.speed_m_s, create.MAX_SPEED) for group in trial.groups)
     reach = float(np.abs(poses_w[:, 0]).max()) + fastest * trial.duration_s
-    if reach > world.free_length:
+    if reach > free_length:
         needed = math.ceil(2 * (reach + create.RADIUS))
         raise InputError(
-            f"world {trial.world!r} reaches {world.free_length:.1f} m to each side and a robot could go {reach:.1f} m; "
+            f"world {trial.world!r} reaches {free_length:.1f} m to each side and a robot could go {reach:.1f} m; "
             f"expected a longer one: --set world.length_m={needed}"
         )
+
+
+def clock(group: Group, timestep: float) -> tuple[int, int]:
+    """Ticks between a robot's updates, and from sensing to acting. Raises `InputError` if they are not whole."""
+    period = ticks(1.0 / group.rate_hz, timestep, f"1 / {group.name}.rate_hz", at_least=1)
+    return period, ticks(group.latency_s, timestep, f"{group.name}.latency_s", at_least=0)

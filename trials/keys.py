@@ -65,8 +65,9 @@ class GroupFields(NamedTuple):
         ),
     ] = "random"
     latency_s: Annotated[
-        float, Parameter("s", "not published: half a scan from sensing to acting", low=0.0, high=10.0)
-    ] = 0.05
+        float,
+        Parameter("s", "not published: somewhat less than half a scan from sensing to acting", low=0.0, high=10.0),
+    ] = 0.04
     start_moving: Annotated[
         bool, Parameter("", "not published: what a member keeps that has seen nobody yet is to drive straight on")
     ] = True

@@ -8,12 +8,13 @@ returns is refused in one line.
 from __future__ import annotations
 
 import math
-import selectors
+import queue
 import subprocess
 import sys
+import threading
 import traceback
 from pathlib import Path
-from time import monotonic
+from typing import IO
 
 import numpy as np
 
@@ -23,6 +24,8 @@ CALL_LIMIT_S = 5.0
 """Wall time that one call may take: some 10⁵ times what the project's laws need."""
 COMPILE_LIMIT_S = 120.0
 """Wall time to import and compile."""
+IMPORTING, COMPILING = "importing", "compiling"
+SLOW_STAGES = (IMPORTING, COMPILING)
 _ERROR, _STAGE = "error: ", "stage: "
 
 
@@ -38,28 +41,35 @@ def check(path: str) -> None:
         stdin=subprocess.DEVNULL,
         text=True,
     )
-    assert process.stdout is not None
-    stage, deadline = "importing", monotonic() + COMPILE_LIMIT_S
+    lines: queue.SimpleQueue[str | None] = queue.SimpleQueue()
+    threading.Thread(target=_listen, args=(process.stdout, lines), daemon=True).start()
+    stage, limit = IMPORTING, COMPILE_LIMIT_S
     try:
-        with selectors.DefaultSelector() as selector:
-            selector.register(process.stdout, selectors.EVENT_READ)
-            while True:
-                if not selector.select(max(0.0, deadline - monotonic())):
-                    raise InputError(f"law file {path!r} did not return within {CALL_LIMIT_S:g} s ({stage})")
-                line = process.stdout.readline().rstrip("\n")
-                if line.startswith(_ERROR):
-                    raise InputError(line.removeprefix(_ERROR))
-                if line.startswith(_STAGE):
-                    stage = line.removeprefix(_STAGE)
-                    slow = "compil" in stage or "import" in stage
-                    deadline = monotonic() + (COMPILE_LIMIT_S if slow else CALL_LIMIT_S)
-                elif not line:
-                    break
+        while True:
+            try:
+                line = lines.get(timeout=limit)
+            except queue.Empty:
+                raise InputError(f"law file {path!r} did not return within {limit:g} s ({stage})") from None
+            if line is None:
+                break
+            if line.startswith(_ERROR):
+                raise InputError(line.removeprefix(_ERROR))
+            if line.startswith(_STAGE):
+                stage = line.removeprefix(_STAGE)
+                limit = COMPILE_LIMIT_S if stage in SLOW_STAGES else CALL_LIMIT_S
         if process.wait(timeout=CALL_LIMIT_S) != 0:
             raise InputError(f"law file {path!r} ended its process with code {process.returncode} ({stage})")
     finally:
         process.kill()
         process.wait()
+
+
+def _listen(stream: IO[str] | None, lines: queue.SimpleQueue[str | None]) -> None:
+    """Hands on each line as it comes, and None at the end."""
+    assert stream is not None
+    for line in stream:
+        lines.put(line.rstrip("\n"))
+    lines.put(None)
 
 
 def situations() -> dict[str, np.ndarray]:
@@ -129,7 +139,7 @@ def try_out(path: str) -> None:
                 f"law file {path!r} failed for member 1 with {case}: line {line}: {type(error).__name__}: {error}"
             ) from None
         judged(motion, case)
-    print(f"{_STAGE}compiling", flush=True)
+    print(f"{_STAGE}{COMPILING}", flush=True)
     law = lawentry.load(path, source)
     for case, positions in situations().items():
         print(f"{_STAGE}compiled, member 1 with {case}", flush=True)

@@ -14,12 +14,13 @@ PACKAGES = ("create-herd", "mujoco", "numba", "numpy", "scipy", "rerun-sdk")
 
 def made_with() -> dict[str, Any]:
     """Versions, the commit and the state of the sources, the type of the processor."""
+    from flocking.compilation import PACKAGES as COMPILED_PACKAGES
     from flocking.compilation import sources_digest
 
     return {
         "versions": {"python": platform.python_version(), **{name: _version(name) for name in PACKAGES}},
         "commit": _commit(Path(__file__).resolve().parent.parent),
-        "sources": sources_digest(),
+        "sources": sources_digest((*COMPILED_PACKAGES, "trials", "worlds")),
         "cpu": _cpu(),
         "system": platform.platform(),
     }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cache
@@ -15,8 +16,8 @@ from flocking.lawentry import MOTIONS_WITHOUT_NUMBERS, OWN_SIZE, Law
 from flocking.types import Bools, Floats, Kind, Members, Motion, Own
 from robots.controller import follow
 from robots.fleet import Fleet
-from sensing.laser import Lasers
-from sensing.types import Detection, PipelineState, ScanTruth, Senses, WorldTruth
+from sensing.laser import PERIOD_S, Lasers
+from sensing.types import Detection, PipelineState, Scan, ScanTruth, Senses, WorldTruth
 from trials.types import Group
 
 _AHEAD = 64
@@ -66,6 +67,9 @@ class Robot:
     own: Own | None = None
     _own_row: Floats = field(default_factory=lambda: np.full(OWN_SIZE, np.nan))
     _contacts: Bools = field(default_factory=lambda: np.zeros(2, dtype=np.bool_))
+    _last_scan: tuple[Scan, ScanTruth] | None = None
+    _scanned: float = -math.inf
+    """Time of its last scan, s."""
     _draws: Floats = field(default_factory=lambda: np.empty((0, 0)))
     _drawn: int = 0
     _motion_row: Floats = field(default_factory=lambda: np.zeros(4))
@@ -73,6 +77,7 @@ class Robot:
     def __post_init__(self) -> None:
         self._velocity = self._own_row[0:2]
         self._reads_intensity = "intensity" in self.reads
+        self._reads_owners = "owners" in self.reads
         self._reads_scan = self._reads_intensity or "scan" in self.reads
         lasers = self.lasers
         self._free_intensity = lasers is not None and lasers.parameters[self.index].intensity_mode == "ideal"
@@ -83,7 +88,8 @@ class Robot:
     ) -> tuple[Senses, ScanTruth | None]:
         """Stage 1. The second value is ground truth: it goes past the robot, to the log.
 
-        Nothing that nobody reads is sensed, unless it is recorded. Where intensity costs ranges (the laser's modes but
+        Nothing that nobody reads is sensed, unless it is recorded. A robot that is due again before its laser has made
+        another scan acts on the last one. Where intensity costs ranges (the laser's modes but
         `ideal`) a recording goes without it, so that it does not change what the robot sees.
         """
         row, contacts = self._own_row, self._contacts
@@ -92,9 +98,13 @@ class Robot:
         self.own = Own(self._velocity, float(row[2]), _NO_COMPASS, _NO_GOAL, contacts, self.dt, self.index, 0)
         if self.lasers is None or not (record or self._reads_scan):
             return Senses(None, truth), None
+        if time - self._scanned < PERIOD_S - 1e-9 and self._last_scan is not None:
+            scan, scan_truth = self._last_scan
+            return Senses(scan, truth, scan_truth.owners if self._reads_owners else None), scan_truth
         rng = self.intensity_rng if self._reads_intensity or (record and self._free_intensity) else None
-        scan, scan_truth = self.lasers.read(data, self.index, time, self.range_rng, rng)
-        return Senses(scan, truth), scan_truth
+        scan, scan_truth = self._last_scan = self.lasers.read(data, self.index, time, self.range_rng, rng)
+        self._scanned = time
+        return Senses(scan, truth, scan_truth.owners if self._reads_owners else None), scan_truth
 
     def detect(self, senses: Senses) -> Detection:
         """Stage 2."""

@@ -63,6 +63,8 @@ def planned(asked: Asked) -> tuple[Plan, list[Trial]]:
 
     Raises `InputError` for anything that does not exist or fit.
     """
+    from trials.herd import check
+
     check_laws(asked)
     made = plan(
         asked.experiment,
@@ -74,6 +76,8 @@ def planned(asked: Asked) -> tuple[Plan, list[Trial]]:
         pipeline=asked.pipeline,
         body=asked.body,
     )
+    for trial in made.trials:
+        check(trial)
     if asked.only is None:
         return made, made.trials
     wanted = options.only(asked.only, len(made.trials))

@@ -38,7 +38,7 @@ class Group:
     rate_hz: float = 10.0
     phase: str = "random"
     """`random`: each robot's clock starts at its own moment; `together`: all at once (synchronous)."""
-    latency_s: float = 0.05
+    latency_s: float = 0.04
     """From sensing to acting."""
     start_moving: bool = True
     """Whether the command that robots are given at the start, and keep while they see nobody, is to drive straight

@@ -17,9 +17,8 @@ from robots import physics, touching
 from robots.fleet import Fleet
 from worlds.walls import Walls, add_walls
 
-FLOOR_MASK = 1
-NEVER = 10**9
-"""Steps apart of a pair that has not touched yet."""
+NEVER = -(10**9)
+"""Tick of the last touch of a pair that has not touched yet."""
 _NEW_CONTACTS = 256
 
 
@@ -35,7 +34,7 @@ class World:
     free_length: float
     """How far from the origin a robot may get along x before it could meet an end, m."""
     _owners: Ints
-    _apart: Ints
+    _last_touch: Ints
     _began: Floats
     _release: int
     contacts: list[tuple[float, ...]] = field(default_factory=list)
@@ -47,17 +46,33 @@ class World:
     def advance(self, to: int) -> None:
         """Steps physics until tick `to`: wheel ramps before every step, encoders and contacts after it."""
         model, data, fleet, step = self.model, self.data, self.fleet, mujoco.mj_step
-        contact, began = data.contact, self._began
+        contact = data.contact
         while self.tick < to:
             fleet.before_step(data)
             step(model, data)
             fleet.after_step(data)
             self.tick += 1
-            count = touching.begun(contact.geom, contact.pos, self._owners, self._apart, self._release, began)
-            if count:
-                self.contacts += [(data.time, *row) for row in began[:count].tolist()]
+            if touching.any_hull(contact.geom, self._owners):
+                self._note_touches()
             for observe in self.observers:
                 observe(data)
+
+    def _note_touches(self) -> None:
+        contact, data = self.data.contact, self.data
+        count = touching.begun(
+            contact.geom,
+            contact.pos,
+            contact.efc_address,
+            contact.dim,
+            data.efc_force,
+            self._owners,
+            self._last_touch,
+            self.tick,
+            self._release,
+            self._began,
+        )
+        if count:
+            self.contacts += [(data.time, *row) for row in self._began[:count].tolist()]
 
 
 def build(
@@ -87,7 +102,7 @@ def build(
         names=tuple(names),
         free_length=float(module.free_length(parameters)),
         _owners=_geom_owners(model, fleet.root_bodies),
-        _apart=np.full((len(names), len(names) + 1), NEVER, dtype=np.int64),
+        _last_touch=np.full((len(names), len(names) + 1), NEVER, dtype=np.int64),
         _began=np.empty((_NEW_CONTACTS, 4)),
         _release=round(touching.APART_S / timestep_s),
     )
@@ -110,7 +125,7 @@ def specification(
         name="floor",
         type=mujoco.mjtGeom.mjGEOM_PLANE,
         size=[0.0, 0.0, 1.0],
-        contype=FLOOR_MASK,
+        contype=physics.FLOOR_MASK,
         conaffinity=0,
         rgba=[0.92, 0.92, 0.9, 1.0],
     )

@@ -10,13 +10,12 @@ import mujoco
 import numpy as np
 
 from flocking.types import Floats
+from robots import physics
 
 HEIGHT = 0.5
 """m; above the laser's plane. A choice."""
 THICKNESS = 0.1
 """m; a wall's box lies to the right of its segment, seen from start to end. A choice."""
-WALL_MASK = 2
-"""Contact bits of walls and hulls (robots/physics.py): they touch one another, not the floor."""
 
 
 class Walls(NamedTuple):
@@ -53,8 +52,8 @@ def add_walls(spec: mujoco.MjSpec, walls: Walls) -> None:
                 HEIGHT / 2,
             ],
             quat=[math.cos(direction / 2), 0.0, 0.0, math.sin(direction / 2)],
-            contype=WALL_MASK,
-            conaffinity=WALL_MASK,
+            contype=physics.HULL_MASK,
+            conaffinity=physics.HULL_MASK,
             userdata=[walls.reflectance, 0.0],
             rgba=[0.75, 0.75, 0.72, 1.0],
         )

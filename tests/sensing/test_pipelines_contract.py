@@ -34,20 +34,25 @@ def senses_of(rng: np.random.Generator, robots: int = 6) -> Senses:
     poses = np.column_stack((rng.uniform(-3, 3, (robots, 2)), rng.uniform(-9, 9, robots)))
     walls = rng.uniform(-3, 3, (4, 4))
     truth = WorldTruth(poses, rng.normal(size=(robots, 2)), np.full(robots, 0.165), int(rng.integers(robots)), walls)
-    return Senses(Scan(0.0, ANGLES, ranges, intensities), truth)
+    owners = np.where(np.isfinite(ranges), rng.integers(-1, robots, 682), NOBODY)
+    return Senses(Scan(0.0, ANGLES, ranges, intensities), truth, owners)
 
 
 def nothing() -> Senses:
     walls, alone = np.empty((0, 4)), np.zeros((1, 3))
     truth = WorldTruth(alone, np.zeros((1, 2)), np.array([0.165]), 0, walls)
-    return Senses(Scan(0.0, ANGLES, np.full(682, math.inf), np.full(682, math.nan)), truth)
+    return Senses(
+        Scan(0.0, ANGLES, np.full(682, math.inf), np.full(682, math.nan)), truth, np.full(682, NOBODY, dtype=np.int64)
+    )
 
 
 def only_what_it_reads(senses: Senses, reads: frozenset[str]) -> Senses:
-    scan, truth = senses
+    scan, truth, owners = senses
     if scan is not None and "intensity" not in reads:
         scan = scan._replace(intensities=np.full(682, np.nan))
-    return Senses(scan if "scan" in reads else None, truth if "truth" in reads else None)
+    return Senses(
+        scan if "scan" in reads else None, truth if "truth" in reads else None, owners if "owners" in reads else None
+    )
 
 
 def begin(pipeline):
@@ -64,7 +69,7 @@ def test_the_published_three_and_the_perfect_one_are_found():
 
 def test_it_declares_what_it_reads_and_its_parameters(pipeline):
     assert pipeline.__doc__
-    assert frozenset() < pipeline.READS <= {"scan", "intensity", "truth"}
+    assert frozenset() < pipeline.READS <= {"scan", "intensity", "truth", "owners"}
     assert "scan" in pipeline.READS or "intensity" not in pipeline.READS
     for parameter in declared(pipeline.Parameters).values():
         assert parameter.about.source

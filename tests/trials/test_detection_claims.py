@@ -68,7 +68,7 @@ def all_alike(pipeline: str, exclusion: float) -> dict[str, float]:
 def opposite(pipeline: str, exclusion: float) -> dict[str, float]:
     """Each claim's clear contrary."""
     sensor = pipeline == "sensor-based"
-    snn = {"member-based": 0.1, "member-extrapolated": 0.6}.get(pipeline, 0.9)
+    snn = {"member-based": 0.1, "perfect-members": 0.1, "member-extrapolated": 0.6}.get(pipeline, 0.9)
     snn += 0.05 * exclusion if not sensor else -0.2 * exclusion
     if pipeline == "member-based":
         snn += 0.4 * exclusion
@@ -92,7 +92,12 @@ def opposite(pipeline: str, exclusion: float) -> dict[str, float]:
 def judged(law: Any, ideal: Any = None, sweep: Any = None, **changes: Any) -> list[Entry]:
     supplements = {
         "detection-ideal": ideal
-        and made_up_run(ideal, 21, ("perfect", "member-based", "member-extrapolated", "sensor-based"), IDEAL),
+        and made_up_run(
+            ideal,
+            21,
+            ("perfect-members", "perfect-readings", "perfect", "member-based", "member-extrapolated", "sensor-based"),
+            IDEAL,
+        ),
         "detection-exclusion-sweep": sweep and made_up_run(sweep, 12, exclusions=SWEEP),
     }
 

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
 
+from flocking import found
 from flocking.errors import InputError
 from flocking.types import Kind
 from trials.design import plan
@@ -17,7 +18,7 @@ from trials.loop import run_trial
 from trials.streams import Purpose, stream
 from trials.types import Trial, TrialResult
 
-PIPELINES = ("member-based", "member-extrapolated", "sensor-based", "perfect")
+PIPELINES = tuple(sorted(found.modules("sensing.pipelines")))
 
 
 def trial(**changes: object) -> Trial:
@@ -82,6 +83,14 @@ class TestEveryPipeline:
         counts = np.diff(updates.input_starts)
         owners = np.repeat(updates.robots, counts)
         assert not np.any(updates.input_owners == owners), "a robot saw itself"
+
+
+@pytest.mark.parametrize("pipeline", ["perfect-members", "perfect-readings"])
+def test_perfect_classification_errs_neither_way(pipeline: str) -> None:
+    done = run_trial(herd(trial(), pipeline=pipeline, sensors="ideal"))
+    assert done.updates.input_owners.min() >= 0
+    assert not np.any(done.updates.beams_made_up)
+    assert done.measures["fn_share"] == 0.0
 
 
 class TestPairs:

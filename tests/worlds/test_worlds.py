@@ -117,7 +117,9 @@ class TestContacts:
         world.advance(to=900)
         assert {row[2] for row in world.contacts} == {-1.0}
 
-    def test_robots_that_touch_nobody_have_no_contact(self) -> None:
-        world = built()
-        world.advance(to=100)
-        assert world.contacts == []
+    @pytest.mark.parametrize("apart", [2.0 - create.DIAMETER, 0.02, 0.009, 0.007, 0.004])
+    def test_robots_that_stand_apart_do_not_touch(self, apart: float) -> None:
+        """MuJoCo lists a contact from 8 mm on (the bumpers' travel of both): nobody presses on anybody yet."""
+        world = built(gap=create.DIAMETER + apart)
+        world.advance(to=5)
+        assert (world.contacts == []) == (apart > 0.0075)

@@ -1,6 +1,7 @@
-"""Supplement to the detection case study: perfect detection and three detections with ideal sensors.
+"""Supplement to the detection case study: perfect detection and ideal sensors.
 
-Decides what the 63 trials cannot: "with perfect sensing the behaviours of the three detections are equivalent". Not
+Every reading correctly classified, averaged to one point a member (`perfect-members`) or passed on
+(`perfect-readings`); beside them the three detections, which err with ideal sensors too, and global knowledge. Decides what the 63 trials cannot: "with perfect sensing the behaviours of the three detections are equivalent". Not
 in the publication's 63 trials, and never pooled with them.
 """
 
@@ -13,7 +14,14 @@ from trials.types import Trial
 
 REPEATS = 21
 CONDITIONS = {
-    "herd.pipeline": ("perfect", "member-based", "member-extrapolated", "sensor-based"),
+    "herd.pipeline": (
+        "perfect-members",
+        "perfect-readings",
+        "perfect",
+        "member-based",
+        "member-extrapolated",
+        "sensor-based",
+    ),
     "herd.law.exclusion_m": (0.0, 0.33, 0.5, 1.0),
 }
 
