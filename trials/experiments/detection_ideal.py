@@ -1,8 +1,9 @@
 """Supplement to the detection case study: perfect detection and ideal sensors.
 
 Every reading correctly classified, averaged to one point a member (`perfect-members`) or passed on
-(`perfect-readings`); beside them the three detections, which err with ideal sensors too, and global knowledge. Decides what the 63 trials cannot: "with perfect sensing the behaviours of the three detections are equivalent". Not
-in the publication's 63 trials, and never pooled with them.
+(`perfect-readings`); beside them the three detections, which err with ideal sensors too, and global knowledge. Decides
+what the 63 trials cannot: "with perfect sensing the behaviours of the three detections are equivalent". Not in the
+publication's 63 trials, and never pooled with them.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ import dataclasses
 from trials.experiments import detection_case_study
 from trials.types import Trial
 
-REPEATS = 21
+REPEATS = 12
 CONDITIONS = {
     "herd.pipeline": (
         "perfect-members",
