@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from flocking import found
+from trials.constants import constants
 from trials.types import Trial
 
 SHOWN_TRIALS = 12
@@ -34,6 +35,8 @@ def planned(plan: Any, chosen: Sequence[Trial]) -> str:
         for row in plan.parameters
     ]
     lines = [f"{plan.experiment}: {plan.title}", "", *_table(("parameter", "value", "unit", "", "source"), rows), ""]
+    fixed = [(constant.name, f"{constant.value:g}", constant.remark) for constant in constants()]
+    lines += [*_table(("constant, not to be set", "value", "unit and source"), fixed), ""]
     for factor, values in (*plan.conditions.items(), *plan.sweep.items()):
         lines.append(f"varied: {factor} = {', '.join(map(_value, values))}")
     lines += [f"note: {note}" for note in plan.notes]

@@ -1,8 +1,8 @@
 """Starting formations: where the members of a herd stand and which way they look at first.
 
-Figure 2.5 of Fine 2015 draws three formations of six robots without numbers; `single-group` and `split-group` are its
-names (sections 4.2 and 4.3), the third is a choice. All are centred on the origin with x along the corridor, fit
-between its walls, and are jittered by the trial's own stream.
+Figure 2.5 of Fine 2015 draws three formations of six robots without numbers. `single-group` and `split-group` are names
+of sections 4.2 and 4.3; the third is a choice. All are centred on the origin with x along the corridor, fit between its
+walls, and differ from repeat to repeat by the trial's own stream.
 """
 
 from __future__ import annotations

@@ -20,7 +20,7 @@ def depth(arena):
 
 @pytest.mark.parametrize("phase", np.linspace(0, 1, 8, endpoint=False))
 def test_ramming_a_wall_at_full_speed_stays_out_of_it(build, phase):
-    """Issue: less than 2 mm, no warning (the arena asserts that). A step covers 5 mm: every phase of it is tried."""
+    """Aim: less than 2 mm, no warning (the arena asserts that). A step covers 5 mm: every phase of it is tried."""
     arena = build((0.4 - 5e-3 * phase, 0.0, 0.0), walls=[WALL])
     arena.fleet.command(0, 0.5, 0.0)
     depths = []

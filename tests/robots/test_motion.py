@@ -19,7 +19,7 @@ def circle_radius(points):
 
 @pytest.mark.parametrize("speed", [0.5, 0.1, -0.3])
 def test_straight_covers_what_was_commanded(build, speed):
-    """Issue: 5 m in 10 s at 0.5 m/s within 2 %, after the ramp. 0.1 % here."""
+    """Aim: 5 m in 10 s at 0.5 m/s within 2 %, after the ramp. 0.1 % here."""
     arena = build()
     arena.fleet.command(0, speed, 0.0)
     arena.run(1.0)
@@ -76,7 +76,7 @@ def test_too_hard_an_acceleration_spins_the_wheels(build):
 
 @pytest.mark.parametrize("radius", [0.2, 0.35, 0.5, 1.0, 2.0, -0.2, -1.0])
 def test_commanded_radii(build, radius):
-    """Issue: within 3 %. 1 % here: whole mm, and the servos droop under the traction that turns."""
+    """Aim: within 3 %. 1 % here: whole mm, and the servos droop under the traction that turns."""
     arena = build()
     speed = min(0.3, 0.9 * MAX_SPEED / (1 + create.AXLE_TRACK / 2 / abs(radius)))
     arena.fleet.command(0, speed, speed / radius)
@@ -89,7 +89,7 @@ def test_commanded_radii(build, radius):
 
 @pytest.mark.parametrize("turn_rate", [0.5, 2.0, -3.5])
 def test_spinning_in_place_stays_in_place(build, turn_rate):
-    """Issue: less than 2 cm of drift a turn, also while it spins up."""
+    """Aim: less than 2 cm of drift a turn, also while it spins up."""
     arena = build()
     arena.fleet.command(0, 0.0, turn_rate)
     places = []
@@ -164,7 +164,7 @@ def test_umbmark_fast_turns_are_seen_in_part_and_both_ways_mirror(build):
     ("degrees_per_s", "seen"), [(30, 0.0), (60, 0.0), (66, 0.0), (100, 1 / 1.5), (135, 2 / 2.025), (200, 1.0)]
 )
 def test_how_much_rotation_odometry_sees(build, degrees_per_s, seen):
-    """Issue: below 67 degrees/s it is lost. floor(r) / r of it is seen, r = rate × 15 ms.
+    """Aim: below 67 degrees/s it is lost. floor(r) / r of it is seen, r = rate × 15 ms.
 
     The drive command's whole mm/s move the rate by up to 0.2 %, which can cost or win no unit at these rates but the
     last: 200 degrees/s are 450.3 mm/s at each wheel, driven as 450, and so seen as 2 of 3.

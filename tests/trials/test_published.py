@@ -1,0 +1,46 @@
+"""Where a design repeats a published number, the two are equal."""
+
+from __future__ import annotations
+
+import pytest
+
+from robots import create
+from trials.claims import published
+from trials.design import plan
+from worlds import corridor
+from worlds.formations import FORMATIONS
+
+STUDY = published("fine2015", "detection_case_study")
+
+
+def test_the_case_study_is_as_large_as_the_publication() -> None:
+    trials = plan("detection-case-study").trials
+    assert len(trials) == STUDY["trials"]
+    assert {sum(group.count for group in trial.groups) for trial in trials} == {STUDY["robots"]}
+    assert len({trial.formation for trial in trials}) == STUDY["starting_formations"] == len(FORMATIONS)
+
+
+def test_its_exclusion_distances_are_the_published_ones() -> None:
+    assert plan("detection-case-study").conditions["herd.law.exclusion_m"] == STUDY["exclusion_distances_m"]
+
+
+def test_its_corridor_is_as_wide_as_published() -> None:
+    width = STUDY["corridor_width_robot_diameters"] * create.DIAMETER
+    assert corridor.Parameters().width_m == pytest.approx(width)
+
+
+def test_every_claim_has_its_judge() -> None:
+    from trials.detection_judges import JUDGES
+
+    assert len(JUDGES) == len(STUDY["claims"]) == len(STUDY["sections"]) == 13
+
+
+def test_no_placeholder_is_left_in_the_docs() -> None:
+    from pathlib import Path
+
+    root = Path(__file__).parents[2]
+    for page in (root / "README.md", *sorted((root / "docs").glob("*.md"))):
+        text = page.read_text(encoding="utf-8")
+        assert "TRIALS-" + "OUTPUT" not in text, page
+        assert "SPEED-" + "TABLE" not in text, page
+    assert "| verdict |" in (root / "docs/detection-case-study.md").read_text(encoding="utf-8")
