@@ -23,7 +23,7 @@ from pebble import ProcessExpired, ProcessPool
 
 from flocking.errors import InputError
 from trials import worker
-from trials.store import Row, StorageError, Store
+from trials.store import DIED, Row, StorageError, Store
 from trials.types import Trial
 from trials.worker import Job, WorkerOutput
 
@@ -158,7 +158,7 @@ def _output(future: Future[WorkerOutput]) -> WorkerOutput:
     if isinstance(error, ProcessExpired):
         code = error.exitcode
         how = signal.Signals(-code).name if code < 0 else f"exit code {code}"
-        return WorkerOutput("failed", f"its worker process died ({how})")
+        return WorkerOutput("failed", f"{DIED} ({how})")
     return WorkerOutput("failed", worker.told(error))
 
 
@@ -219,7 +219,8 @@ def _signals(tell: Callable[[int], None]) -> Iterator[None]:
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    before = {number: signal.signal(number, lambda got, frame: tell(got)) for number in STOPPING}
+    heeded = [number for number in STOPPING if signal.getsignal(number) != signal.SIG_IGN]  # as under nohup
+    before = {number: signal.signal(number, lambda got, frame: tell(got)) for number in heeded}
     try:
         yield
     finally:

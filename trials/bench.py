@@ -89,8 +89,11 @@ def bench(save: Path | None = None, compare: Path | None = None) -> None:
     from rich.table import Table
 
     earlier = _read(compare) if compare is not None else {}
-    if save is not None and not save.absolute().parent.is_dir():
-        raise InputError(f"cannot save to {str(save)!r}: {str(save.parent)!r} is no folder")
+    if save is not None:
+        try:
+            save.open("a").close()
+        except OSError as error:
+            raise InputError(f"cannot save to {str(save)!r}: {error.strerror}; expected a file to write") from None
     console = Console()
     figures: list[Figure] = []
     for measure in MEASURES:
@@ -246,7 +249,7 @@ def workers() -> list[Figure]:
     def rate(jobs: int) -> float:
         trials = [dataclasses.replace(herd_of(6, seconds=60.0), index=i + 1) for i in range(BATCH_TRIALS)]
         with tempfile.TemporaryDirectory() as folder:
-            kept = store.create(Path(folder) / "run", {"experiment": "bench"}, {})
+            kept = store.create(Path(folder) / "run", {"experiment": "bench", "trials": []}, {})
             clock = Clock()
             run_batch(trials, kept, clock, jobs=jobs, scans="none")
         first = 2 * jobs

@@ -191,7 +191,14 @@ def more(label: str, values: Floats, margin: float, threshold: float = 0.0, deci
 
 def above(label: str, values: Floats, threshold: float, scale: float, decides: bool = True) -> Outcome:
     """The outcome that values lie above a threshold: not below it. `scale` is the margin shown."""
-    return Outcome(label, statistics.exceeds(values, threshold), "exceeds", threshold, scale, decides)
+    return Outcome(
+        f"{label}, to lie above {threshold:g}",
+        statistics.exceeds(values, threshold),
+        "exceeds",
+        threshold,
+        scale,
+        decides,
+    )
 
 
 def ratio(label: str, logs: Floats, factor: float, decides: bool = True) -> Outcome:

@@ -94,8 +94,12 @@ def plan(
     conditions: dict[str, list[Any]] = {key: list(values) for key, values in module.CONDITIONS.items()}
     for group in module.base(1).groups:
         for field, name_given in (("law", law), ("pipeline", pipeline), ("body", body)):
-            if name_given is not None:
-                settings[f"{group.name}.{field}"] = name_given
+            if name_given is None:
+                continue
+            key = f"{group.name}.{field}"
+            if key in settings or key in arm_values:
+                raise InputError(f"--{field} {name_given} and {key} = {settings.get(key)!r}: expected one of the two")
+            settings[key] = name_given
     for key in [key for key in settings if key in conditions]:
         conditions[key] = [settings.pop(key)]
     for key in [key for key in arm_values if key in conditions]:
@@ -118,12 +122,20 @@ def plan(
         experiment=name.replace("_", "-"),
         title=title(name),
         trials=trials,
-        parameters=keys.rows(trials[0], getattr(module, "SOURCES", {})),
+        parameters=_parameters(module, trials[0], set(conditions)),
         conditions=conditions,
         sweep=arm_values,
         repeats=repeats,
         notes=list(notes),
     )
+
+
+def _parameters(module: ModuleType, trial: Trial, varied: set[str]) -> list[keys.Row]:
+    """Every parameter of a trial; those that the user set say so."""
+    sources = getattr(module, "SOURCES", {})
+    usual = {row.key: row.value for row in keys.rows(module.base(trial.repeat))}
+    rows = keys.rows(trial, sources)
+    return [row if row.key in varied else keys.marked(row, usual.get(row.key, row.value)) for row in rows]
 
 
 def cell_of(trial: Trial) -> str:

@@ -398,5 +398,5 @@ def _described(test: str, outcomes: list[Outcome]) -> str:
         "equivalent": "two one-sided t-tests, 90 % interval",
     }
     told = " and ".join(by[kind] for kind in sorted(kinds, reverse=True))
-    count = f", all of {len(deciding)} outcomes" if len(deciding) > 1 else ""
+    count = f", all of {len(deciding)} outcomes; fails if one does after Holm's correction" if len(deciding) > 1 else ""
     return f"{test} ({told}, by repeat{count})"

@@ -204,6 +204,9 @@ def check(trial: Trial) -> None:
     ticks(SAMPLE_S, trial.timestep_s, "the time between samples", at_least=1)
     for group in trial.groups:
         clock(group, trial.timestep_s)
+        found.load(PIPELINE, group.pipeline, "pipeline")
+        found.load(BODY, group.body, "body")
+        laser_parameters(group)
     module = found.load(WORLD, trial.world, "world")
     free_length = module.free_length(filled(module.Parameters, trial.world_parameters, prefix="world."))
     count = sum(group.count for group in trial.groups)

@@ -193,5 +193,12 @@ def _rows_of(parameters: type, prefix: str, given: Mapping[str, Any]) -> list[Ro
     ]
 
 
+def marked(row: Row, usual: Any) -> Row:
+    """A row whose value was set by the user: no longer what its source gives."""
+    if row.value == usual:
+        return row
+    return row._replace(source=f"set here in place of {usual}", published=False)
+
+
 def _told(row: Row, about: Parameter | None) -> Row:
     return row if about is None else row._replace(source=about.source, published=about.published)

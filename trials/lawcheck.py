@@ -22,10 +22,9 @@ from flocking.errors import InputError
 
 CALL_LIMIT_S = 5.0
 """Wall time that one call may take: some 10⁵ times what the project's laws need."""
-COMPILE_LIMIT_S = 120.0
-"""Wall time to import and compile."""
 IMPORTING, COMPILING = "importing", "compiling"
-SLOW_STAGES = (IMPORTING, COMPILING)
+LIMITS_S = {IMPORTING: 20.0, COMPILING: 120.0}
+"""Wall time that importing the file, or compiling the law, may take."""
 _ERROR, _STAGE = "error: ", "stage: "
 
 
@@ -43,7 +42,7 @@ def check(path: str) -> None:
     )
     lines: queue.SimpleQueue[str | None] = queue.SimpleQueue()
     threading.Thread(target=_listen, args=(process.stdout, lines), daemon=True).start()
-    stage, limit = IMPORTING, COMPILE_LIMIT_S
+    stage, limit = IMPORTING, LIMITS_S[IMPORTING]
     try:
         while True:
             try:
@@ -56,7 +55,7 @@ def check(path: str) -> None:
                 raise InputError(line.removeprefix(_ERROR))
             if line.startswith(_STAGE):
                 stage = line.removeprefix(_STAGE)
-                limit = COMPILE_LIMIT_S if stage in SLOW_STAGES else CALL_LIMIT_S
+                limit = LIMITS_S.get(stage, CALL_LIMIT_S)
         if process.wait(timeout=CALL_LIMIT_S) != 0:
             raise InputError(f"law file {path!r} ended its process with code {process.returncode} ({stage})")
     finally:

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
@@ -121,17 +122,32 @@ def _on_terminal(store: Any, entries: Sequence[Entry] | None, found: Sequence[Ce
 
     console = Console()
     with console.capture() as capture:
-        if entries:
+        decided = entries and any(math.isfinite(entry.measured) for entry in entries)
+        if entries and decided:
             for arm, some in arms_of(entries):
                 console.print(_claims_table(some, f"{store.run['experiment']}{f': {arm}' if arm else ''}"))
                 console.print(Text(f"{verdicts(some)}\n"))
-        else:
+            for line in needed(entries):
+                console.print(Text(line))
+        else:  # nothing published, or none of its cells in this run: what was measured stands alone
             console.print(_cells_table(found, store.run["experiment"]))
         console.print(Text(counted(store)))
         for row in store.rows():
             if row.status != "done":
                 console.print(Text(f"  trial {row.index} failed: {row.reason}", style="red"))
     return capture.get().rstrip("\n")
+
+
+def needed(entries: Sequence[Entry]) -> list[str]:
+    """Which supplementary experiments would decide more of the claims, one line each."""
+    commands: dict[str, int] = {}
+    for entry in entries:
+        for command in re.findall(r"herd run [a-z-]+", entry.test):
+            commands[command] = commands.get(command, 0) + 1
+    return [
+        f"{count} claim{'s' * (count != 1)} cannot be decided yet: {command}, then herd report"
+        for command, count in commands.items()
+    ]
 
 
 def _claims_table(entries: Sequence[Entry], title: str) -> Any:

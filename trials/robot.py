@@ -122,24 +122,27 @@ class Robot:
         return sets
 
     def decide(self, detection: Detection, sets: Bools) -> Motion:
-        """Stage 4. Raises `LawError` if the law returns an unknown kind or rule, or numbers that are not finite."""
+        """Stage 4. Raises `LawError` if the law fails, or returns an unknown kind or rule or numbers not finite."""
         draws = self._draw()
         row = self._motion_row
         members = detection.members
-        self.law.entry(
-            self._own_row,
-            members.positions,
-            members.bearings,
-            members.headings,
-            members.velocities,
-            members.ids,
-            sets,
-            detection.obstacles.points,
-            self.law_parameters,
-            self.memory,
-            draws,
-            row,
-        )
+        try:
+            self.law.entry(
+                self._own_row,
+                members.positions,
+                members.bearings,
+                members.headings,
+                members.velocities,
+                members.ids,
+                sets,
+                detection.obstacles.points,
+                self.law_parameters,
+                self.memory,
+                draws,
+                row,
+            )
+        except Exception as error:
+            raise LawError(f"law {self.law.name!r} failed for {self.name}: {type(error).__name__}: {error}") from error
         kind, x, y, rule = row.tolist()
         finite = kind in MOTIONS_WITHOUT_NUMBERS or abs(x) + abs(y) < np.inf
         if not (finite and 0 <= kind < len(Kind) and 0 <= rule < len(self.law.rules)):

@@ -100,6 +100,8 @@ def start(asked: Asked, out: Path | None, jobs: int) -> int:
     made, chosen = planned(asked)
     for note in made.notes:
         print(f"note: {note}", file=sys.stderr)
+    if out is not None and str(out) in ("", "."):
+        raise InputError(f"--out {str(out)!r}: expected a new or empty folder for the run")
     folder = out if out is not None else store.next_folder(made.experiment)
     run = {
         "format": store.FORMAT,
@@ -131,7 +133,8 @@ def start(asked: Asked, out: Path | None, jobs: int) -> int:
 def resume(folder: Path, jobs: int) -> int:
     """Runs the trials of a run that have not ended yet; returns the exit code.
 
-    A trial that failed has ended: the table is the same as if the run had not been interrupted.
+    A trial that failed has ended: the table is the same as if the run had not been interrupted. One that lost its
+    worker to an accident has not.
     """
     kept = store.opened(folder)
     try:
@@ -203,14 +206,21 @@ def kinds(trials: Sequence[Trial]) -> list[Trial]:
 
 
 def _go(kept: Store, jobs: int) -> int:
-    """Runs the trials that have no row yet."""
+    """Runs the trials that have no row yet, or lost their worker to an accident."""
+    from trials.herd import check
+
     trials = kept.trials
     record, scans = kept.run.get("record"), kept.run.get("scans")
     if record not in RECORD or scans not in SCANS:
         raise InputError(f"{kept.folder / store.RUN} is damaged: record {record!r}, scans {scans!r}")
     recorded = {"all": trials, "first": trials[:1], "none": []}[record]
-    ended = {row.index for row in kept.rows()}
+    ended = {row.index for row in kept.rows() if not row.reason.startswith(store.DIED)}
     left = [trial for trial in trials if trial.index not in ended]
+    for trial in left:
+        try:
+            check(trial)
+        except (TypeError, ValueError, KeyError, AttributeError) as error:
+            raise InputError(f"{kept.folder / store.RUN}: trial {trial.index}: {error}") from error
     started, stopped, new = monotonic(), 0, 0
     if left:
         with progress.shown(len(trials), len(ended)) as shown:

@@ -52,6 +52,10 @@ class StorageError(InputError):
     """The disk's trouble, not a trial's: the batch stops, and what was stored is kept."""
 
 
+DIED = "its worker process died"
+"""How the reason of a trial begins that was lost to an accident: resuming runs it again, in place of this row."""
+
+
 @dataclass(frozen=True)
 class Row:
     """One finished trial, without its series."""
@@ -88,10 +92,15 @@ class Store:
             rows = self.connection.execute(
                 "SELECT idx, status, reason, seed, repeat, conditions, measures FROM trials ORDER BY idx"
             ).fetchall()
-            return [
-                Row(index, status, reason, seed, repeat, json.loads(conditions), numbers(json.loads(measures)))
-                for index, status, reason, seed, repeat, conditions, measures in rows
-            ]
+            try:
+                return [
+                    Row(
+                        index, status, reason, seed, repeat, dict(json.loads(conditions)), numbers(json.loads(measures))
+                    )
+                    for index, status, reason, seed, repeat, conditions, measures in rows
+                ]
+            except (TypeError, AttributeError) as error:
+                raise ValueError(error) from error
 
     def timing(self) -> dict[int, dict[str, float]]:
         """Wall time (s) of each finished trial in all (`seconds`) and by part."""
@@ -130,6 +139,7 @@ class Store:
         parts = dict(timing)
         seconds = parts.pop("seconds", 0.0)
         with _writing(self.folder / RESULTS), self.connection:
+            self.connection.execute("DELETE FROM trials WHERE idx = ? AND reason LIKE ?", (row.index, f"{DIED}%"))
             self.connection.execute(
                 "INSERT INTO trials VALUES (?, ?, ?, ?, ?, ?, ?)",
                 (
@@ -142,7 +152,9 @@ class Store:
                     json.dumps(plain(row.measures)),
                 ),
             )
-            self.connection.execute("INSERT INTO timing VALUES (?, ?, ?)", (row.index, seconds, json.dumps(parts)))
+            self.connection.execute(
+                "INSERT OR REPLACE INTO timing VALUES (?, ?, ?)", (row.index, seconds, json.dumps(parts))
+            )
 
     def close(self) -> None:
         """Closes the tables."""
@@ -157,6 +169,9 @@ def create(folder: Path, run: Mapping[str, Any], code: Mapping[str, str]) -> Sto
     if folder.exists() and not folder.is_dir():
         raise InputError(f"{folder} is a file: expected a folder for the run")
     taken = [name for name in (RUN, RESULTS, SERIES, RECORDINGS, CODE) if (folder / name).exists()]
+    others = [] if taken or not folder.is_dir() else sorted(path.name for path in folder.iterdir())
+    if others:
+        raise InputError(f"{folder} is not empty ({others[0]}): expected a new or empty folder for the run")
     if taken:
         raise InputError(
             f"{folder} holds a run ({taken[0]}): name another folder, or finish it with herd resume {folder}"
