@@ -33,7 +33,7 @@ def main(folders: Sequence[str]) -> None:
         store.close()
         for entry in entries:
             arm = entry.get("arm") or {}
-            name = ", ".join(f"{key.rsplit('.', 1)[-1]} {value}" for key, value in arm.items()) or "as published"
+            name = ", ".join(f"{key.rsplit('.', 1)[-1]} {value}" for key, value in arm.items()) or "reference"
             columns.setdefault(name, []).append(entry)
     text = PAGE.read_text(encoding="utf-8")
     start, end = text.index(BEGIN), text.index(END)
@@ -49,6 +49,8 @@ def _tables(columns: dict[str, list[dict[str, object]]], commands: list[str]) ->
     reference = next(iter(columns))
     lines = ["## Outcomes", "", "Made by `python -m scripts.outcomes` from the runs of"]
     lines += [f"- {command}" for command in dict.fromkeys(commands)]
+    lines += ["", "and of the supplements that `herd report` found: `herd run detection-ideal`, and"]
+    lines += ["`herd run detection-exclusion-sweep --repeats 7 --sweep herd.sensors=ideal,datasheet,harsh`."]
     lines += ["", f"### The 63 trials ({reference})", ""]
     lines += ["| # | claim | measured | interval | margin | n | verdict |", "|---|---|---|---|---|---|---|"]
     for number, entry in enumerate(columns[reference], start=1):

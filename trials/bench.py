@@ -6,6 +6,7 @@ Every figure stands beside its target. A saved result can be compared with: same
 from __future__ import annotations
 
 import dataclasses
+import itertools
 import json
 import math
 import os
@@ -105,7 +106,7 @@ def bench(save: Path | None = None, compare: Path | None = None) -> None:
     for figure in figures:
         sign = "≥" if figure.at_least else "≤"
         target = "" if math.isnan(figure.target) else f"{sign} {figure.target:g}"
-        row = [f"{figure.name} [{figure.unit}]", f"{figure.median:.3g}", f"{figure.worst:.3g}", target]
+        row = [f"{figure.name} ({figure.unit})", f"{figure.median:.3g}", f"{figure.worst:.3g}", target]
         row.append({True: "yes", False: "NO", None: ""}[figure.met])
         if earlier:
             before = earlier.get(figure.name, math.nan)
@@ -150,8 +151,9 @@ def parts() -> list[Figure]:
     detection = robot.detect(senses)
     sets = robot.select(detection.members)
     motion = robot.decide(detection, sets)
+    clock = itertools.count()  # a scan's stamp must move on, or the last scan is sensed again
     calls: dict[str, Callable[[], object]] = {
-        "1 sense (scan, noise, truth)": lambda: robot.sense(data, data.time, None, record=False),
+        "1 sense (scan, noise, truth)": lambda: robot.sense(data, data.time + next(clock), None, record=False),
         "2 detect (member-based)": lambda: robot.detect(senses),
         "3 select": lambda: robot.select(detection.members),
         "4 decide (extended HA)": lambda: robot.decide(detection, sets),
