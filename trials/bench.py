@@ -38,6 +38,8 @@ RECORDED_SECONDS = 60.0
 """Simulated seconds of the runs that are recorded: a trial's length, since a recording has a fixed cost too."""
 GROUP_SIZES = (6, 12, 24, 48, 96)
 BATCH_TRIALS = 16
+BATCH_SECONDS = 60.0
+"""Simulated seconds of each trial of the batches."""
 
 
 @dataclass(frozen=True)
@@ -110,7 +112,7 @@ def bench(save: Path | None = None, compare: Path | None = None) -> None:
         row.append({True: "yes", False: "NO", None: ""}[figure.met])
         if earlier:
             before = earlier.get(figure.name, math.nan)
-            row += [f"{before:.3g}", f"{figure.median / before:.2f}"]
+            row += [f"{before:.3g}", f"{figure.median / before:.2f}" if before else "-"]
         table.add_row(*row)
     console.print(table)
     if save is not None:
@@ -249,7 +251,7 @@ def workers() -> list[Figure]:
             self.times.append(perf_counter())
 
     def rate(jobs: int) -> float:
-        trials = [dataclasses.replace(herd_of(6, seconds=60.0), index=i + 1) for i in range(BATCH_TRIALS)]
+        trials = [dataclasses.replace(herd_of(6, seconds=BATCH_SECONDS), index=i + 1) for i in range(BATCH_TRIALS)]
         with tempfile.TemporaryDirectory() as folder:
             kept = store.create(Path(folder) / "run", {"experiment": "bench", "trials": []}, {})
             clock = Clock()

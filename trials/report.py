@@ -131,7 +131,14 @@ def _on_terminal(store: Any, entries: Sequence[Entry] | None, found: Sequence[Ce
                 console.print(Text(line))
         else:  # nothing published, or none of its cells in this run: what was measured stands alone
             console.print(_cells_table(found, store.run["experiment"]))
+            if entries:
+                console.print(Text(f"{verdicts(entries)}\n"))
         console.print(Text(counted(store)))
+        lost = [row.index for row in store.rows() if row.status == "done" and not store.has_series(row.index)]
+        if lost:
+            console.print(
+                Text(f"the series of {len(lost)} trials are missing, the first of trial {lost[0]}", style="red")
+            )
         for row in store.rows():
             if row.status != "done":
                 console.print(Text(f"  trial {row.index} failed: {row.reason}", style="red"))

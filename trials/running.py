@@ -262,7 +262,7 @@ def _closing(kept: Store, rows: Sequence[Row], new: int, seconds: float) -> list
     failed = [row for row in rows if row.status != "done"]
     done = f"{len(rows) - len(failed)} done, {len(failed)} failed"
     took = f", {new} of them now, in" if new < len(rows) else " in"
-    lines = [f"{len(rows)} trials: {done}{took} {progress.duration(seconds)}"]
+    lines = [f"{len(rows)} trial{'s' * (len(rows) != 1)}: {done}{took} {progress.duration(seconds)}"]
     for row in failed[:SHOWN_FAILURES]:
         lines.append(progress.failure(row))
         lines.append(f"  once more, with its traceback: {kept.run.get('command')} --only {row.index} --debug")

@@ -122,6 +122,10 @@ class Store:
         except InputError as error:
             raise InputError(f"{path}: {error}") from error
 
+    def has_series(self, index: int) -> bool:
+        """Whether a trial's time series is there."""
+        return (self.folder / SERIES / f"{index:04d}.npz").is_file()
+
     def recording(self, index: int) -> Path | None:
         """The recording of a trial, if it was recorded."""
         path = self.folder / RECORDINGS / f"{index:04d}.rrd"

@@ -92,6 +92,18 @@ class TestCaseStudy:
         with pytest.raises(InputError, match="both set and swept"):
             design.plan("detection-case-study", settings={"herd.speed_m_s": 0.1}, sweep={"herd.speed_m_s": [0.1, 0.2]})
 
+    @pytest.mark.parametrize("where", ["settings", "sweep"])
+    def test_a_swap_and_a_key_for_the_same_are_refused(self, where: str) -> None:
+        value = {"herd.law": "snn" if where == "settings" else ["snn"]}
+        with pytest.raises(InputError, match="expected one of the two"):
+            design.plan("detection-case-study", law="extended-hamilton", **{where: value})  # type: ignore[arg-type]
+
+    def test_what_the_user_set_is_no_longer_called_published(self) -> None:
+        rows = {row.key: row for row in design.plan("detection-case-study", settings={"herd.count": 4}).parameters}
+        assert not rows["herd.count"].published
+        assert "in place of 6" in rows["herd.count"].source
+        assert rows["world.width_m"].published
+
     def test_names_are_put_before_the_parameters_that_belong_to_them(self) -> None:
         settings = {"herd.law.repulsion_m": 0.4, "herd.law": "snn"}
         group = design.plan("detection-case-study", settings=settings).trials[0].groups[0]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import errno
 import json
 import math
@@ -14,7 +15,7 @@ import pytest
 
 from flocking.errors import InputError
 from trials import store
-from trials.store import Row, StorageError, Store
+from trials.store import DIED, Row, StorageError, Store
 
 sys.path.insert(0, str(Path(__file__).parent))
 import fake_trials
@@ -102,6 +103,14 @@ def test_a_trial_cannot_be_kept_twice(tmp_path: Path) -> None:
     with pytest.raises(StorageError, match="UNIQUE"):
         kept.add(row(1, mmd=2.0), None, None, {})
     assert kept.rows() == [row(1, mmd=1.0)]
+
+
+def test_a_trial_that_lost_its_worker_gives_way_to_its_repetition(tmp_path: Path) -> None:
+    kept = new(tmp_path / "run")
+    kept.add(dataclasses.replace(row(1), status="failed", reason=f"{DIED} (SIGKILL)"), None, None, {"seconds": 1.0})
+    kept.add(row(1, mmd=2.0), None, None, {"seconds": 2.0})
+    assert kept.rows() == [row(1, mmd=2.0)]
+    assert kept.timing()[1]["seconds"] == 2.0
 
 
 def test_a_folder_with_a_run_is_not_used_again(tmp_path: Path) -> None:
