@@ -5,7 +5,7 @@ from __future__ import annotations
 import mujoco
 
 TIMESTEP = 0.01
-"""s. Chosen by evidence: tests/robots/test_timestep.py holds motion and odometry against half of it."""
+"""s. Chosen by evidence: tests/trials/test_timestep.py holds motion and odometry against half of it."""
 
 GRAVITY = 9.81
 """m/s²."""
