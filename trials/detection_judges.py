@@ -274,7 +274,7 @@ def _extrapolated_between(data: Data) -> Judged:
             label = f"{name}, extrapolated - {SHORT[other]}, all distances"
             differences = _overall(data.study, measure, EXTRAPOLATED, other)
             outcomes.append(same(label, differences, margin, decides=other == MEMBER))
-    return _all(outcomes, "changes with distance equivalent to sensor-based; behaviour equivalent to member-based")
+    return _all(outcomes, f"changes with distance equivalent to sensor-based, behaviour to member-based{LATER}")
 
 
 def _inputs_look_alike(data: Data) -> Judged:

@@ -13,6 +13,7 @@ import subprocess
 import sys
 import threading
 import traceback
+from collections.abc import Callable
 from pathlib import Path
 from typing import IO
 
@@ -114,50 +115,24 @@ def try_out(path: str) -> None:
         if not 0 <= numbers[3] < len(rules):
             raise InputError(f"law file {path!r} returned rule {numbers[3]:g} with {case}; RULES has {len(rules)}")
 
-    for case, positions in situations().items():
-        print(f"{_STAGE}member 1 with {case}", flush=True)
-        mask = np.ones((sets, len(positions)), dtype=np.bool_)
-        try:
-            motion = module.law(
-                own,
-                members_at(positions),
-                mask,
-                NO_OBSTACLES,
-                parameters,
-                np.zeros(memory),
-                np.full(draws, 0.3),
-            )
-        except InputError:
-            raise
-        except Exception as error:
-            line = next(
-                (f.lineno for f in reversed(traceback.extract_tb(error.__traceback__)) if "law" in f.filename),
-                0,
-            )
-            raise InputError(
-                f"law file {path!r} failed for member 1 with {case}: line {line}: {type(error).__name__}: {error}"
-            ) from None
-        judged(motion, case)
+    def tried(call: Callable[..., object], how: str) -> None:
+        for case, positions in situations().items():
+            print(f"{_STAGE}{how}member 1 with {case}", flush=True)
+            mask = np.ones((sets, len(positions)), dtype=np.bool_)
+            members, numbers = members_at(positions), np.full(draws, 0.3)
+            try:
+                motion = call(own, members, mask, NO_OBSTACLES, parameters, np.zeros(memory), numbers)
+            except Exception as error:
+                frames = traceback.extract_tb(error.__traceback__)
+                line = next((f"line {f.lineno}: " for f in reversed(frames) if f.filename == module.__file__), "")
+                raise InputError(
+                    f"law file {path!r} failed for member 1 with {case}: {line}{type(error).__name__}: {error}"
+                ) from None
+            judged(motion, case)
+
+    tried(module.law, "")
     print(f"{_STAGE}{COMPILING}", flush=True)
-    law = lawentry.load(path, source)
-    for case, positions in situations().items():
-        print(f"{_STAGE}compiled, member 1 with {case}", flush=True)
-        mask = np.ones((sets, len(positions)), dtype=np.bool_)
-        try:
-            motion = law.decide(
-                own,
-                members_at(positions),
-                mask,
-                NO_OBSTACLES,
-                parameters,
-                np.zeros(memory),
-                np.full(draws, 0.3),
-            )
-        except Exception as error:
-            raise InputError(
-                f"law file {path!r} failed for member 1 with {case}: {type(error).__name__}: {error}"
-            ) from None
-        judged(motion, case)
+    tried(lawentry.load(path, source).decide, "compiled, ")
 
 
 def _main(path: str) -> int:
