@@ -1,0 +1,118 @@
+"""Terms that laws share: unit vectors, means over the chosen members, normal draws. All compiled."""
+
+from __future__ import annotations
+
+import math
+
+from flocking.compilation import compiled
+from flocking.types import Bools, Floats
+
+
+@compiled
+def unit(x: float, y: float) -> tuple[float, float]:
+    """(x, y) divided by its length; (0, 0) for a vector that has none."""
+    length = math.hypot(x, y)
+    if length == 0.0:
+        return 0.0, 0.0
+    return x / length, y / length
+
+
+@compiled
+def count(chosen: Bools) -> int:
+    """How many members are chosen."""
+    found = 0
+    for j in range(len(chosen)):
+        if chosen[j]:
+            found += 1
+    return found
+
+
+@compiled
+def mean_vector(vectors: Floats, chosen: Bools) -> tuple[int, float, float]:
+    """Number of chosen members and the mean of their rows of `vectors` (M, 2); (0, 0, 0) of nobody."""
+    found, x, y = 0, 0.0, 0.0
+    for j in range(len(chosen)):
+        if chosen[j]:
+            found += 1
+            x += vectors[j, 0]
+            y += vectors[j, 1]
+    if found == 0:
+        return 0, 0.0, 0.0
+    return found, x / found, y / found
+
+
+@compiled
+def mean_unit_vector(vectors: Floats, chosen: Bools) -> tuple[int, float, float]:
+    """The same of the unit vectors along the rows; a row without length counts as (0, 0)."""
+    found, x, y = 0, 0.0, 0.0
+    for j in range(len(chosen)):
+        if chosen[j]:
+            found += 1
+            ux, uy = unit(vectors[j, 0], vectors[j, 1])
+            x += ux
+            y += uy
+    if found == 0:
+        return 0, 0.0, 0.0
+    return found, x / found, y / found
+
+
+@compiled
+def mean_direction(angles: Floats, chosen: Bools) -> tuple[int, float, float]:
+    """The same of the unit vectors at `angles` (M,), rad: bearings or headings."""
+    found, x, y = 0, 0.0, 0.0
+    for j in range(len(chosen)):
+        if chosen[j]:
+            found += 1
+            x += math.cos(angles[j])
+            y += math.sin(angles[j])
+    if found == 0:
+        return 0, 0.0, 0.0
+    return found, x / found, y / found
+
+
+@compiled
+def rotated(x: float, y: float, angle: float) -> tuple[float, float]:
+    """(x, y) turned counter-clockwise by `angle`, rad."""
+    c, s = math.cos(angle), math.sin(angle)
+    return c * x - s * y, s * x + c * y
+
+
+@compiled
+def normal(u: float) -> float:
+    """The standard normal number at quantile u in [0, 1); normal(1 - u) is minus normal(u).
+
+    Acklam's rational approximation (2003) refined by one step of Halley's method: errors below 1e-14 relative.
+    """
+    p = min(max(u, 1e-16), 1.0 - 1e-16)
+    mirrored = p > 0.5
+    if mirrored:
+        p = 1.0 - p
+    if p < 0.02425:
+        q = math.sqrt(-2.0 * math.log(p))
+        top = -7.784894002430293e-03
+        for c in (-3.223964580411365e-01, -2.400758277161838, -2.549732539343734, 4.374664141464968, 2.938163982698783):
+            top = top * q + c
+        bottom = 7.784695709041462e-03
+        for c in (3.224671290700398e-01, 2.445134137142996, 3.754408661907416, 1.0):
+            bottom = bottom * q + c
+        x = top / bottom
+    else:
+        q = p - 0.5
+        r = q * q
+        top = -3.969683028665376e01
+        for c in (
+            2.209460984245205e02,
+            -2.759285104469687e02,
+            1.383577518672690e02,
+            -3.066479806614716e01,
+            2.506628277459239,
+        ):
+            top = top * r + c
+        bottom = -5.447609879822406e01
+        for c in (1.615858368580409e02, -1.556989798598866e02, 6.680131188771972e01, -1.328068155288572e01, 1.0):
+            bottom = bottom * r + c
+        x = top * q / bottom
+    error = 0.5 * math.erfc(-x / math.sqrt(2.0)) - p
+    step = error * math.sqrt(2.0 * math.pi) * math.exp(x * x / 2.0)
+    x -= step / (1.0 + x * step / 2.0)
+    return -x if mirrored else x
