@@ -25,6 +25,8 @@ from flocking import found
 from flocking.compilation import cache_folder
 from flocking.errors import InputError
 from flocking.parameters import declared, filled
+from flocking.selection import parse_sets
+from flocking.taxonomy import Filled, Herd, Taxonomy, Validation
 from flocking.types import Bools, Floats, Kind, Members, Motion, Obstacles, Own
 
 ENTRY_SIGNATURE = (
@@ -37,7 +39,10 @@ ENTRY_SIGNATURE = (
 OWN_SIZE = 11
 """velocity x, y; turn rate; compass; goal x, y; left, right bumper; dt; id; role."""
 
-INFORMATION = frozenset({"positions", "bearings", "headings", "velocities", "ids"})
+OF_MEMBERS = frozenset({"positions", "bearings", "headings", "velocities", "ids"})
+"""What a law may read of each member."""
+INFORMATION = OF_MEMBERS | {"compass", "goal", "contacts", "obstacles"}
+"""What a law may say that it needs."""
 MOTIONS_WITHOUT_NUMBERS = frozenset({int(Kind.HOLD), int(Kind.STOP)})
 
 _TEMPLATE = '''"""Generated from a law's file."""
@@ -82,12 +87,55 @@ class Law:
     name: str
     module: ModuleType
     rules: tuple[str, ...]
-    sets: tuple[str, ...]
+    sets: dict[str, str]
+    """Name of each set of neighbours → the selection that makes it."""
     memory: int
     draws: int
     needs: frozenset[str]
+    """Of `INFORMATION`; what its sets' selections need is not among it."""
     entry: Callable[..., None]
     """Compiled, with `ENTRY_SIGNATURE`."""
+
+    @property
+    def taxonomy(self) -> Taxonomy | None:
+        """Its row of table 3.2; a user's own law need not have one."""
+        return getattr(self.module, "TAXONOMY", None)
+
+    @property
+    def validation(self) -> Validation | None:
+        """Its row of table 3.4."""
+        return getattr(self.module, "VALIDATION", None)
+
+    @property
+    def filled(self) -> tuple[Filled, ...]:
+        """What its authors left undefined and how it is filled."""
+        return tuple(getattr(self.module, "FILLED", ()))
+
+    @property
+    def herd(self) -> Herd:
+        """A kinematic herd in which its numbers make sense."""
+        herd: Herd = getattr(self.module, "HERD", Herd(1.0, 1.0, 0.1))
+        return herd
+
+    @property
+    def create(self) -> dict[str, Any]:
+        """Parameter values for iRobot Creates, where they differ from the defaults."""
+        return dict(getattr(self.module, "CREATE", {}))
+
+    @property
+    def chiral(self) -> bool:
+        """Whether mirroring the world does not mirror its motion."""
+        return bool(getattr(self.module, "CHIRAL", False))
+
+    @property
+    def axis(self) -> bool:
+        """Whether it moves along the world's x axis only."""
+        return bool(getattr(self.module, "AXIS", False))
+
+    @property
+    def parameter_names(self) -> tuple[str, ...]:
+        """In the order of the entry's `parameters`."""
+        return tuple(declared(self.module.Parameters))
 
     @property
     def function(self) -> Callable[..., Motion]:
@@ -161,6 +209,12 @@ def module_of(name: str, source: str = "") -> ModuleType:
     return found.load("flocking.laws", name, "law")
 
 
+def sets_of(module: ModuleType) -> dict[str, str]:
+    """The sets that a law's module declares, and the selections that make them; names alone mean all members."""
+    sets = getattr(module, "SETS", ("neighbours",))
+    return dict(sets) if isinstance(sets, Mapping) else dict.fromkeys(sets, "all")
+
+
 def load(name: str, source: str = "") -> Law:
     """The law of that name, or the user's own whose path is `name` and whose text is `source`.
 
@@ -217,6 +271,11 @@ def _compile(name: str, module: ModuleType, path: Path, *, boundscheck: bool) ->
     needs = frozenset(getattr(module, "NEEDS", {"positions"}))
     if not needs <= INFORMATION:
         raise InputError(f"law file {name!r}: NEEDS {sorted(needs - INFORMATION)}; expected of {sorted(INFORMATION)}")
+    sets = sets_of(module)
+    try:
+        parse_sets("all", sets, fields)
+    except InputError as error:
+        raise InputError(f"law file {name!r}: SETS: {error}") from None
     values = ", ".join(f"{field.type.__name__}(parameters[{i}])" for i, field in enumerate(fields.values()))
     text = _TEMPLATE.format(
         module=module.__name__,
@@ -240,7 +299,7 @@ def _compile(name: str, module: ModuleType, path: Path, *, boundscheck: bool) ->
         name=name,
         module=module,
         rules=tuple(getattr(module, "RULES", ("law",))),
-        sets=tuple(getattr(module, "SETS", ("neighbours",))),
+        sets=sets,
         memory=int(getattr(module, "MEMORY", 0)),
         draws=int(getattr(module, "DRAWS", 0)),
         needs=needs,

@@ -141,7 +141,7 @@ def _robot(
     law = lawentry.load(group.law, group.law_source)
     _check_information(law, group, reads)
     parameters = law.parameters(group.law_parameters)
-    steps = [] if group.selection.strip() == "all" else selection.parse(group.selection)
+    sets = selection.parse_sets(group.selection, law.sets, law.parameter_names)
     first = (group.speed_m_s, 0.0) if group.start_moving else (0.0, 0.0)
     world.fleet.command(index, *first)
     return Robot(
@@ -153,7 +153,7 @@ def _robot(
         next_tick=phase,
         pipeline=pipeline,
         pipeline_state=_pipeline_state(group),
-        selections=[steps for _ in law.sets],
+        selections=[selection.resolved(steps, parameters._asdict()) for steps in sets],
         law=law,
         law_parameters=np.array(parameters, dtype=np.float64),
         law_rng=draw(Purpose.LAW),

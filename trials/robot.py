@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cache
 from types import ModuleType
@@ -50,7 +49,7 @@ class Robot:
     next_tick: int
     pipeline: ModuleType
     pipeline_state: PipelineState
-    selections: list[list[tuple[Callable[..., Bools], tuple[float, ...]]]]
+    selections: list[list[selection.Chosen]]
     law: Law
     law_parameters: Floats
     law_rng: np.random.Generator

@@ -4,10 +4,17 @@ A law's file holds
 
 - a docstring: source, equation, units, what it does with no neighbours, deviations;
 - `Parameters`, a NamedTuple annotated with `flocking.parameters.Parameter`; its values are numbers;
-- `NEEDS`: what it reads of each member: any of positions, bearings, headings, velocities, ids;
+- `NEEDS`: what it reads of each member (any of positions, bearings, headings, velocities, ids), of itself (compass,
+  goal, contacts) and of the world (obstacles). What a law needs is never nan when it is called: members of which it is
+  not known are left out. Only a goal may be nan: a member that has none;
 - `RULES`: the names of its rules; `Motion.rule` is an index into them;
-- optionally `SETS` (names of the sets it selects from, one if absent), `MEMORY` (how many numbers it keeps
-  from call to call, zeros at first) and `DRAWS` (how many uniform random numbers in [0, 1) each call is handed);
+- optionally `SETS`, a dict from the name of each set of neighbours to the selection that makes it
+  (`flocking.selection`), in which the law's own parameters may stand for numbers; one set of all members if absent;
+- optionally `MEMORY` (how many numbers it keeps from call to call, zeros at first) and `DRAWS` (how many uniform random
+  numbers in [0, 1) each call is handed). A mirrored world mirrors each draw u to 1 - u;
+- optionally `CHIRAL` (a mirrored world does not mirror its motion) and `AXIS` (it moves along the world's x axis only);
+- for the laws of the literature `TAXONOMY`, `VALIDATION`, `FILLED` and `HERD` (`flocking.taxonomy`), and `CREATE`, the
+  parameter values with which iRobot Creates run it;
 - `law(own, members, sets, obstacles, parameters, memory, u) -> Motion`, pure but for `memory` (MEMORY,) that it
   may write to. `sets` is (S, M) bool: which members each selection kept; `u` is (DRAWS,).
 

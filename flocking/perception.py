@@ -1,0 +1,246 @@
+"""The perception functions, compiled: each takes a mask of members and leaves only those that it selects.
+
+Source: Fine 2015, table 3.1; field of view and occlusion as in sections 3.5.2 and 4.2; the densest component as in
+LCH variations 1 and 3 (section 4.1). A function sees only the members that the mask holds. Ties are broken so that the
+order of the members does not matter. `flocking.selection` has the same as plain functions on `Members`; the kinematic
+herd calls these.
+"""
+
+from __future__ import annotations
+
+import math
+from enum import IntEnum
+
+from flocking.compilation import compiled
+from flocking.geometry import before
+from flocking.types import Bools, Floats, Ints
+
+ARGUMENTS = 8
+"""Numbers that a step of a selection has room for."""
+
+
+class Step(IntEnum):
+    """The perception functions, as the compiled code tells them apart."""
+
+    ALL = 0
+    FIXED_SET = 1
+    GRAPH = 2
+    DISTANCE_BASED = 3
+    NEAREST = 4
+    K_NEAREST = 5
+    VORONOI = 6
+    BOUNDING_BOX = 7
+    ANGLE = 8
+    SECTOR = 9
+    FIELD_OF_VIEW = 10
+    UNOCCLUDED = 11
+    DENSEST_DISTANCE = 12
+    DENSEST_ANGLE = 13
+
+
+@compiled
+def keep_ids(ids: Ints, wanted: Floats, mask: Bools) -> None:
+    """FixedSet(): members whose id is one of `wanted` (nan = no id)."""
+    for j in range(len(mask)):
+        if mask[j]:
+            found = False
+            for k in range(len(wanted)):
+                if ids[j] >= 0 and wanted[k] == ids[j]:
+                    found = True
+            mask[j] = found
+
+
+@compiled
+def keep_within(positions: Floats, low_m: float, high_m: float, mask: Bools) -> None:
+    """DistanceBased(): members at a distance in [low, high)."""
+    for j in range(len(mask)):
+        if mask[j]:
+            d = math.hypot(positions[j, 0], positions[j, 1])
+            mask[j] = low_m <= d < high_m
+
+
+@compiled
+def keep_nearest(positions: Floats, k: int, mask: Bools) -> None:
+    """k-Nearest(): the k nearest members; of equally near ones the one with the smaller position first."""
+    chosen = mask.copy()
+    for j in range(len(mask)):
+        mask[j] = False
+    for _ in range(k):
+        best = -1
+        for j in range(len(mask)):
+            known = chosen[j] and not mask[j] and not math.isnan(positions[j, 0])
+            if known and (best == -1 or before(positions, j, best)):
+                best = j
+        if best == -1:
+            return
+        mask[best] = True
+
+
+@compiled
+def keep_in_box(positions: Floats, x0: float, y0: float, x1: float, y1: float, mask: Bools) -> None:
+    """BoundingBox(): members in the rectangle, its border included; body axes."""
+    for j in range(len(mask)):
+        if mask[j]:
+            mask[j] = x0 <= positions[j, 0] <= x1 and y0 <= positions[j, 1] <= y1
+
+
+@compiled
+def keep_angle(bearings: Floats, angle_rad: float, mask: Bools) -> None:
+    """Angle(): members whose bearing is less than the angle to either side."""
+    for j in range(len(mask)):
+        if mask[j]:
+            mask[j] = abs(bearings[j]) < angle_rad
+
+
+@compiled
+def keep_view(bearings: Floats, width_rad: float, mask: Bools) -> None:
+    """Members within a field of view of that width about the nose, its border included."""
+    for j in range(len(mask)):
+        if mask[j]:
+            mask[j] = abs(bearings[j]) <= width_rad / 2.0
+
+
+@compiled
+def keep_sector(bearings: Floats, from_rad: float, to_rad: float, mask: Bools) -> None:
+    """Members with a bearing from `from_rad` counter-clockwise to `to_rad`, the first border included."""
+    width = (to_rad - from_rad) % (2.0 * math.pi)
+    for j in range(len(mask)):
+        if mask[j]:
+            mask[j] = (bearings[j] - from_rad) % (2.0 * math.pi) < width
+
+
+@compiled
+def keep_unoccluded(positions: Floats, radius_m: float, mask: Bools) -> None:
+    """Members whose centre is in sight: no nearer member's disc of that radius covers the line to it."""
+    chosen = mask.copy()
+    for j in range(len(mask)):
+        if not chosen[j]:
+            continue
+        x, y = positions[j, 0], positions[j, 1]
+        d = math.hypot(x, y)
+        if d == 0.0:
+            continue
+        for k in range(len(mask)):
+            if k == j or not chosen[k]:
+                continue
+            along = (positions[k, 0] * x + positions[k, 1] * y) / d
+            across = (positions[k, 0] * y - positions[k, 1] * x) / d
+            if 0.0 < along < d and abs(across) < radius_m:
+                mask[j] = False
+
+
+@compiled
+def keep_densest(positions: Floats, bearings: Floats, threshold: float, by_angle: bool, mask: Bools) -> None:
+    """MaxConnComponent(): the largest component of the members linked up to the threshold.
+
+    Linked: at most `threshold` apart (m), or, `by_angle`, seen at most that angle apart (rad). Of components equally
+    large the one that is denser (its members' mean distance from their mean is smaller), then the one whose mean is
+    nearest (by angle: nearest to the nose), then the one with the smaller mean x, y.
+    """
+    count = len(mask)
+    labels = [-1] * count
+    stack = [0] * count
+    groups = 0
+    best, best_size = -1, 0
+    best_spread, best_d, best_x, best_y = 0.0, 0.0, 0.0, 0.0
+    for first in range(count):
+        if not mask[first] or labels[first] != -1:
+            continue
+        labels[first] = groups
+        stack[0] = first
+        height, size, x, y = 1, 0, 0.0, 0.0
+        while height > 0:
+            height -= 1
+            j = stack[height]
+            size += 1
+            if by_angle:
+                x += math.cos(bearings[j])
+                y += math.sin(bearings[j])
+            else:
+                x += positions[j, 0]
+                y += positions[j, 1]
+            for k in range(count):
+                if not mask[k] or labels[k] != -1:
+                    continue
+                if by_angle:
+                    gap = abs((bearings[k] - bearings[j] + math.pi) % (2.0 * math.pi) - math.pi)
+                else:
+                    gap = math.hypot(positions[k, 0] - positions[j, 0], positions[k, 1] - positions[j, 1])
+                if gap <= threshold:
+                    labels[k] = groups
+                    stack[height] = k
+                    height += 1
+        x /= size
+        y /= size
+        spread = 0.0
+        for k in range(count):
+            if labels[k] == groups:
+                if by_angle:
+                    spread += math.hypot(math.cos(bearings[k]) - x, math.sin(bearings[k]) - y)
+                else:
+                    spread += math.hypot(positions[k, 0] - x, positions[k, 1] - y)
+        spread /= size
+        d = abs(math.atan2(y, x)) if by_angle else math.hypot(x, y)
+        better = size > best_size
+        if size == best_size:
+            better = _less(spread, best_spread, d, best_d, x, best_x, y, best_y)
+        if better:
+            best, best_size, best_spread, best_d, best_x, best_y = groups, size, spread, d, x, y
+        groups += 1
+    for j in range(count):
+        mask[j] = labels[j] == best and best != -1
+
+
+TIE = 1e-9
+"""Numbers that differ by less are equal: sums of the same terms in another order differ by rounding."""
+
+
+@compiled
+def _less(a0: float, b0: float, a1: float, b1: float, a2: float, b2: float, a3: float, b3: float) -> bool:
+    """Whether (a0 … a3) comes before (b0 … b3), with ties up to rounding."""
+    for a, b in ((a0, b0), (a1, b1), (a2, b2), (a3, b3)):
+        if abs(a - b) > TIE * (1.0 + abs(a)):
+            return a < b
+    return False
+
+
+@compiled
+def keep(
+    step: int,
+    given: Floats,
+    positions: Floats,
+    bearings: Floats,
+    ids: Ints,
+    linked: Bools,
+    tessellated: Bools,
+    mask: Bools,
+) -> None:
+    """One step of a selection, `given` (ARGUMENTS,) its numbers. Angles in degrees here, as the text has them.
+
+    `linked` (M,): the graph joins the member to the focal one; `tessellated` (M,): their Voronoi cells touch.
+    """
+    if step == Step.FIXED_SET:
+        keep_ids(ids, given, mask)
+    elif step == Step.GRAPH or step == Step.VORONOI:
+        for j in range(len(mask)):
+            mask[j] = mask[j] and (linked[j] if step == Step.GRAPH else tessellated[j])
+    elif step == Step.DISTANCE_BASED:
+        keep_within(positions, given[0], given[1], mask)
+    elif step == Step.NEAREST:
+        keep_nearest(positions, 1, mask)
+    elif step == Step.K_NEAREST:
+        keep_nearest(positions, int(given[0]), mask)
+    elif step == Step.BOUNDING_BOX:
+        keep_in_box(positions, given[0], given[1], given[2], given[3], mask)
+    elif step == Step.ANGLE:
+        keep_angle(bearings, math.radians(given[0]), mask)
+    elif step == Step.SECTOR:
+        keep_sector(bearings, math.radians(given[0]), math.radians(given[1]), mask)
+    elif step == Step.FIELD_OF_VIEW:
+        keep_view(bearings, math.radians(given[0]), mask)
+    elif step == Step.UNOCCLUDED:
+        keep_unoccluded(positions, given[0], mask)
+    elif step == Step.DENSEST_DISTANCE:
+        keep_densest(positions, bearings, given[0], False, mask)
+    elif step == Step.DENSEST_ANGLE:
+        keep_densest(positions, bearings, math.radians(given[0]), True, mask)
