@@ -2,16 +2,17 @@
 
 Shapes: N members; leading axes (…, usually T times) pass through: a formation (N, 2) gives a number, a motion
 (T, N, 2) gives (T,). Lengths in metres (any one unit will do), angles in radians. A nan among the members
-makes the measure nan.
+makes the measure nan. `period_m`: the side of a periodic square, None in unbounded space.
+
+Groups and mixing are in `measures_groups`, hulls in `measures_hull`, links in `measures_links`.
 """
 
 from __future__ import annotations
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
 
+from flocking.measures_groups import group_labels
+from flocking.measures_space import centre, from_centre, nearest_neighbours, unwrapped
 from flocking.types import Floats, Ints
 
 
@@ -25,57 +26,55 @@ def polarization(headings: Floats) -> Floats:
     return np.hypot(np.cos(headings).mean(axis=-1), np.sin(headings).mean(axis=-1))
 
 
+def velocity_order(velocities: Floats) -> Floats:
+    """Length of the mean of the unit vectors along `velocities` (…, N, 2): (…,).
+
+    The polarization of members that are known by their velocities. A member at rest has no direction: it counts as
+    a member that adds nothing.
+    """
+    velocities = np.asarray(velocities, dtype=np.float64)
+    speeds = np.hypot(velocities[..., 0], velocities[..., 1])[..., None]
+    mean = (velocities / np.where(speeds > 0.0, speeds, 1.0)).mean(axis=-2)
+    return np.hypot(mean[..., 0], mean[..., 1])
+
+
+def settled_mean(series: Floats, share: float = 0.5) -> Floats:
+    """Mean over the last `share` of the times of a measure (T, …), at least one of them: (…,)."""
+    series = np.asarray(series, dtype=np.float64)
+    last = max(1, round(share * len(series)))
+    return series[len(series) - last :].mean(axis=0)
+
+
 def group_speed(velocities: Floats) -> Floats:
     """Speed of the group's centre: length of the mean of `velocities` (…, N, 2): (…,)."""
     mean = np.asarray(velocities, dtype=np.float64).mean(axis=-2)
     return np.hypot(mean[..., 0], mean[..., 1])
 
 
-def mmd(positions: Floats) -> Floats:
+def mmd(positions: Floats, period_m: float | None = None) -> Floats:
     """Median distance of the members (…, N, 2) from the group's centre, their mean position: (…,).
 
     Source: Fine 2015, section 4.3 and table 4.1, after Viscido et al. 2002.
     """
+    offsets = from_centre(positions, period_m)
+    return np.median(np.hypot(offsets[..., 0], offsets[..., 1]), axis=-1)
+
+
+def nearest_neighbour_distance(positions: Floats, period_m: float | None = None) -> Floats:
+    """Distance of each member (…, N, 2) to the member nearest to it: (…, N); nan for a member alone."""
     positions = np.asarray(positions, dtype=np.float64)
-    from_centre = positions - positions.mean(axis=-2, keepdims=True)
-    return np.median(np.hypot(from_centre[..., 0], from_centre[..., 1]), axis=-1)
-
-
-def nearest_neighbour_distance(positions: Floats) -> Floats:
-    """Distance of each member (…, N, 2) to the member nearest to it: (…, N); nan for a member alone.
-
-    All pairs are formed: for formations of up to some hundred members.
-    """
-    positions = np.asarray(positions, dtype=np.float64)
-    count = positions.shape[-2]
-    if count < 2:
+    if positions.shape[-2] < 2:
         return np.full(positions.shape[:-1], np.nan)
-    gaps = positions[..., :, None, :] - positions[..., None, :, :]
-    distances = np.hypot(gaps[..., 0], gaps[..., 1])
-    distances[..., np.arange(count), np.arange(count)] = np.inf
-    return distances.min(axis=-1)
+    return nearest_neighbours(positions, 1, period_m)[0][..., 0]
 
 
-def number_of_groups(positions: Floats, cut: float) -> Ints:
+def number_of_groups(positions: Floats, cut: float, period_m: float | None = None) -> Ints:
     """Number of groups among the members (…, N, 2): (…,).
 
     Single linkage: two members are of one group where a chain of members joins them, each link of which is at
     most `cut` long. A member alone is a group. Positions must be finite.
     """
-    positions = np.asarray(positions, dtype=np.float64)
-    shape, count = positions.shape[:-2], positions.shape[-2]
-    flat = positions.reshape(-1, count, 2)
-    frames = len(flat)
-    if frames == 0 or count == 0:
-        return np.zeros(shape, dtype=np.int64)
-    # All formations at once: each stands in a plane of its own, farther from the next than any link.
-    planes = np.broadcast_to((2.0 * cut + 1.0) * np.arange(frames)[:, None, None], (frames, count, 1))
-    points = np.concatenate([flat, planes], axis=2).reshape(-1, 3)
-    pairs = cKDTree(points).query_pairs(cut, output_type="ndarray")
-    links = coo_array((np.ones(len(pairs), dtype=np.int8), (pairs[:, 0], pairs[:, 1])), shape=(len(points),) * 2)
-    _, labels = connected_components(links, directed=False)
-    _, firsts = np.unique(labels, return_index=True)
-    return np.bincount(firsts // count, minlength=frames).astype(np.int64).reshape(shape)
+    return group_labels(positions, cut, period_m).max(axis=-1, initial=-1) + 1
 
 
 def straightness(positions: Floats) -> Floats:
@@ -99,7 +98,32 @@ def straightness(positions: Floats) -> Floats:
     return np.where(major > 0.0, 1.0 - np.sqrt(ratio), np.nan)
 
 
-def path_length(positions: Floats) -> Floats:
+def path_length(positions: Floats, period_m: float | None = None) -> Floats:
     """Length of the way through `positions` (T, …, 2), summed over the steps between the T times: (…,)."""
-    steps = np.diff(np.asarray(positions, dtype=np.float64), axis=0)
+    steps = np.diff(unwrapped(positions, period_m), axis=0)
     return np.hypot(steps[..., 0], steps[..., 1]).sum(axis=0)
+
+
+def net_displacement(positions: Floats, period_m: float | None = None) -> Floats:
+    """How far the group's centre is from where it was at first, of (T, N, 2): (T,).
+
+    The directional motion of Fine 2015, section 4.2.1, as a number; the centre's drift, not its way.
+    """
+    centres = centre(unwrapped(positions, period_m))
+    moved = centres - centres[:1]
+    return np.hypot(moved[..., 0], moved[..., 1])
+
+
+def directedness(positions: Floats, period_m: float | None = None) -> float:
+    """Net displacement of the group's centre over the mean length of its members' ways, of (T, N, 2).
+
+    0: the centre ends where it began; 1: all go straight the same way. Nan where nobody moved.
+    """
+    way = float(path_length(positions, period_m).mean())
+    return float(net_displacement(positions, period_m)[-1]) / way if way != 0.0 else np.nan
+
+
+def mean_square_displacement(positions: Floats, period_m: float | None = None) -> Floats:
+    """Mean over the members of the squared distance from where each was at first, of (T, N, 2): (T,), m²."""
+    way = unwrapped(positions, period_m)
+    return ((way - way[:1]) ** 2).sum(axis=-1).mean(axis=-1)

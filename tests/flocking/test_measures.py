@@ -120,3 +120,79 @@ def test_path_length_of_a_polygon_nears_the_circle() -> None:
     both = np.stack([circle, np.zeros_like(circle)], axis=1)
     assert measures.path_length(both) == pytest.approx([inscribed, 0.0], abs=1e-9)
     assert measures.path_length(circle[:1]) == 0.0
+
+
+def test_order_of_velocities_is_that_of_their_headings_and_rest_adds_nothing() -> None:
+    headings, speeds = np.random.default_rng(7).uniform(-3, 3, (4, 9)), np.array([0.1, 5.0, 1.0, 2.0, 0.3, 1, 1, 1, 9])
+    velocities = speeds[:, None] * np.stack([np.cos(headings), np.sin(headings)], axis=-1)
+    assert measures.velocity_order(velocities) == pytest.approx(measures.polarization(headings), abs=EXACT)
+    assert measures.velocity_order(np.array([[2.0, 0.0], [0.0, 0.0]])) == pytest.approx(0.5, abs=EXACT)
+
+
+def test_settled_mean_forgets_the_beginning() -> None:
+    series = np.array([[9.0, 1.0], [7.0, 1.0], [2.0, 1.0], [4.0, 3.0]])
+    assert measures.settled_mean(series) == pytest.approx([3.0, 2.0], abs=EXACT)
+    assert measures.settled_mean(series, 0.0) == pytest.approx([4.0, 3.0], abs=EXACT)
+    assert measures.settled_mean(series, 1.0) == pytest.approx([5.5, 1.5], abs=EXACT)
+
+
+def test_net_displacement_is_that_of_the_centre() -> None:
+    """Two members turn about each other while their centre goes straight: 3 in x, 4 in y."""
+    times = np.linspace(0.0, 1.0, 101)
+    centre = times[:, None] * [3.0, 4.0]
+    arm = np.stack([np.cos(9 * times), np.sin(9 * times)], axis=1)
+    motion = np.stack([centre + arm, centre - arm], axis=1)
+    assert measures.net_displacement(motion) == pytest.approx(5.0 * times, abs=1e-11)
+    assert measures.directedness(np.stack([centre, centre + 1.0], axis=1)) == pytest.approx(1.0, abs=1e-11)
+    assert measures.directedness(motion - centre[:, None]) == pytest.approx(0.0, abs=1e-11)
+    assert 0.0 < measures.directedness(motion) < 1.0
+    assert np.isnan(measures.directedness(np.zeros((5, 3, 2))))
+
+
+def test_mean_square_displacement_of_straight_motion_grows_with_the_square_of_time() -> None:
+    motion = np.arange(5.0)[:, None, None] * np.array([[3.0, 4.0], [0.0, 1.0]])
+    assert measures.mean_square_displacement(motion) == pytest.approx(13.0 * np.arange(5.0) ** 2, abs=1e-11)
+
+
+def test_periodic_space_has_no_seam() -> None:
+    """A small formation drifts round a periodic square: all measures as in unbounded space."""
+    side = 7.0
+    formation = np.random.default_rng(8).uniform(-1, 1, (6, 2))
+    drift = np.linspace(0.0, 3 * side, 40)[:, None, None] * [1.0, 0.6]
+    free = formation + drift
+    wrapped = np.mod(free, side)
+    rounding = 1e-9  # three laps of 7 added up in steps
+    for measure in (
+        measures.mmd,
+        measures.nearest_neighbour_distance,
+        measures.path_length,
+        measures.net_displacement,
+        measures.mean_square_displacement,
+        measures.directedness,
+    ):
+        assert measure(wrapped, period_m=side) == pytest.approx(measure(free), abs=rounding)
+        assert measure(wrapped) != pytest.approx(measure(free), abs=rounding)
+
+
+def test_neighbours_across_the_corner_of_a_periodic_square() -> None:
+    corners = np.array([[0.3, 0.4], [9.7, 9.6], [5.0, 5.0]])
+    assert measures.nearest_neighbour_distance(corners, period_m=10.0)[:2] == pytest.approx([1.0, 1.0], abs=EXACT)
+
+
+def test_a_nan_makes_the_nearest_distances_of_its_formation_nan_and_of_no_other() -> None:
+    motion = np.random.default_rng(9).normal(size=(3, 4, 2))
+    expected = measures.nearest_neighbour_distance(motion)
+    motion[1, 0, 0] = np.nan
+    found = measures.nearest_neighbour_distance(motion)
+    assert np.isnan(found[1]).all()
+    assert found[[0, 2]].tolist() == expected[[0, 2]].tolist()
+
+
+def test_more_coincident_members_than_neighbours_asked_for() -> None:
+    assert measures.nearest_neighbour_distance(np.zeros((9, 2))).tolist() == [0.0] * 9
+
+
+def test_nearest_distances_equal_all_pairs() -> None:
+    motion = np.random.default_rng(10).uniform(0, 5, (6, 11, 2))
+    gaps = np.linalg.norm(motion[:, :, None] - motion[:, None], axis=-1) + np.where(np.eye(11), np.inf, 0.0)
+    assert measures.nearest_neighbour_distance(motion) == pytest.approx(gaps.min(axis=-1), abs=EXACT)
