@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from flocking.measures_links import Outcomes
 from robots import create
 from trials.claims import published
 from trials.design import plan
@@ -33,6 +34,31 @@ def test_every_claim_has_its_judge() -> None:
     from trials.detection_judges import JUDGES
 
     assert len(JUDGES) == len(STUDY["claims"]) == len(STUDY["sections"]) == 13
+
+
+@pytest.mark.parametrize(
+    ("source", "table"), [("fine2015", "detection_case_study"), ("fine2015", "lch_claims"), ("akama2014", "claims")]
+)
+def test_every_claim_has_its_section(source: str, table: str) -> None:
+    told = published(source, table)
+    assert len(told["claims"]) == len(told["sections"]) > 0
+    assert all(told["sections"])
+
+
+def test_the_sixteen_lch_parameterizations_make_the_published_number_of_simulations() -> None:
+    table = published("fine2015", "table_4_1")
+    variations, starts = len(table["single_group"]), ("single_group", "split_group")
+    assert set(table["single_group"]) == set(table["split_group"])
+    cells = variations * len(starts) * len(table["sensing_ranges"])
+    assert cells * table["trials_each"] == table["simulations_in_all"]
+
+
+@pytest.mark.parametrize("table", ["table_1", "table_2"])
+def test_link_tables_have_the_cells_that_are_measured_and_the_sums_that_the_text_tells(table: str) -> None:
+    first, second = published("akama2014", table).values()
+    assert set(first) == set(second) == set(Outcomes._fields)
+    told = published("akama2014", "simulations")["predicted_broken"][table]
+    assert first["broken_broken"] + first["intact_predicted_broken"] == told
 
 
 def test_no_placeholder_is_left_in_the_docs() -> None:
