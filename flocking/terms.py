@@ -71,6 +71,16 @@ def mean_direction(angles: Floats, chosen: Bools) -> tuple[int, float, float]:
 
 
 @compiled
+def heading_with_itself(headings: Floats, chosen: Bools) -> float:
+    """Direction (rad) of the sum of the unit vectors at the chosen `headings` and of one's own, which is 0.
+
+    0, one's own heading kept, where they cancel out.
+    """
+    found, x, y = mean_direction(headings, chosen)
+    return math.atan2(found * y, found * x + 1.0)
+
+
+@compiled
 def rotated(x: float, y: float, angle: float) -> tuple[float, float]:
     """(x, y) turned counter-clockwise by `angle`, rad."""
     c, s = math.cos(angle), math.sin(angle)
@@ -116,3 +126,31 @@ def normal(u: float) -> float:
     step = error * math.sqrt(2.0 * math.pi) * math.exp(x * x / 2.0)
     x -= step / (1.0 + x * step / 2.0)
     return -x if mirrored else x
+
+
+@compiled
+def limited(x: float, y: float, longest: float) -> tuple[float, float]:
+    """(x, y), shortened to the length `longest` if it is longer."""
+    length = math.hypot(x, y)
+    if length <= longest:
+        return x, y
+    return x / length * longest, y / length * longest
+
+
+@compiled
+def speed_limited(ax: float, ay: float, vx: float, vy: float, dt: float, top_speed: float) -> tuple[float, float]:
+    """The acceleration (ax, ay), changed so that after `dt` the velocity (vx, vy) is no faster than `top_speed`."""
+    if not dt > 0.0:
+        return ax, ay
+    wx, wy = limited(vx + ax * dt, vy + ay * dt, top_speed)
+    return (wx - vx) / dt, (wy - vy) / dt
+
+
+@compiled
+def random_vector(u: float, v: float) -> tuple[float, float]:
+    """A vector whose two components are independent standard normal numbers; draws 1 - u, 1 - v give its mirror image.
+
+    The direction is 2 pi u; the length depends on how far v is from one half.
+    """
+    length = math.sqrt(-2.0 * math.log(max(1.0 - abs(2.0 * v - 1.0), 1e-300)))
+    return length * math.cos(2.0 * math.pi * u), length * math.sin(2.0 * math.pi * u)
