@@ -27,11 +27,32 @@ from typing import Annotated, NamedTuple
 
 from flocking.geometry import NOT_FOUND, distance, nearest, nearest_to
 from flocking.parameters import Parameter
+from flocking.taxonomy import Filled, Herd, Taxonomy, Validation
 from flocking.types import Bools, Floats, Kind, Members, Motion, Obstacles, Own
 
 NEEDS = frozenset({"positions"})
 RULES = ("none", "snn", "hamilton", "perpendicular")
+SETS = {"neighbours": "all"}
 DRAWS = 1
+TAXONOMY = Taxonomy("homogeneous", "constrained", "discrete", "-", False, True, False, False)
+VALIDATION = Validation("P", False, "local", "-", "-", "bounded free")
+FILLED = (
+    Filled(
+        "motion computation",
+        "line 6 of algorithm 2 seeks the second member without the exclusion distance, and may find the first again",
+        "the nearest to the first among those beyond the exclusion distance, as in section 2.2",
+        misprint=True,
+    ),
+    Filled(
+        "motion computation",
+        "a gap narrower than the repulsion distance",
+        "the way-point is the second member; the parameter beyond_gap puts it beyond",
+    ),
+    Filled("motion computation", "SNN within the repulsion distance", "the member stands still, as in section 2.1.1"),
+    Filled("motion computation", "how far the perpendicular way-point is", "one repulsion distance"),
+)
+HERD = Herd(spacing_m=1.3, speed_m_s=0.25, dt_s=0.1)
+CREATE: dict[str, float] = {}
 
 NONE, SNN, HAMILTON, PERPENDICULAR = range(4)
 

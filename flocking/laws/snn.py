@@ -12,10 +12,19 @@ from typing import Annotated, NamedTuple
 
 from flocking.geometry import NOT_FOUND, nearest
 from flocking.parameters import Parameter
+from flocking.taxonomy import Filled, Herd, Taxonomy, Validation
 from flocking.types import Bools, Floats, Kind, Members, Motion, Obstacles, Own
 
 NEEDS = frozenset({"positions"})
 RULES = ("none", "snn")
+SETS = {"neighbours": "all"}
+TAXONOMY = Taxonomy("homogeneous", "idealized", "discrete", "-", False, True, False, False)
+VALIDATION = Validation("S", True, "global", "-", "-", "unbounded free")
+FILLED = (
+    Filled("motion computation", "what a member does that detects nobody", "it keeps its command, as in section 2.1.2"),
+)
+HERD = Herd(spacing_m=1.3, speed_m_s=0.33, dt_s=1.0)
+CREATE: dict[str, float] = {}
 
 
 class Parameters(NamedTuple):
