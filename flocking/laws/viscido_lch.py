@@ -1,0 +1,79 @@
+"""Local crowded horizon (LCH): a step towards all others, the nearer ones weighted more.
+
+Source: Viscido, Miller and Wethey 2002, "The dilemma of the selfish herd"; Fine 2015, table A.1, Viscido et al. (2002)
+(LCH), the rule that its authors validated. The unit is the body-length, one metre here.
+
+    step = the unit vector along the sum over all members j of d_j / (1 + w distance_j), times one body-length
+
+with d_j the vector to member j (not of unit length: the table marks unit vectors with a hat, and these have none) and
+w in 1 / distance. A member far away so counts at most 1 / w, and one close by its distance.
+
+Needs positions. No neighbours, or a sum of zero: no direction is given; without neighbours the member keeps its
+motion, in the midst of them it stands still. The law has no repulsion: steps of fixed length pass the centre.
+The four other readings of LCH (chapter 4) are `lch_group_pose`, `lch_member_pose`, `lch_group_bearing` and
+`lch_member_bearing`.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, NamedTuple
+
+from flocking.parameters import Parameter
+from flocking.taxonomy import Filled, Herd, Taxonomy, Validation
+from flocking.terms import count, unit
+from flocking.types import Bools, Floats, Kind, Members, Motion, Obstacles, Own
+
+NEEDS = frozenset({"positions"})
+RULES = ("none", "crowd")
+SETS = {"neighbours": "all"}
+TAXONOMY = Taxonomy("homogeneous", "idealized", "discrete", "-", False, True, False, False)
+VALIDATION = Validation("S", True, "global", "-", "-", "bounded free")
+FILLED = (
+    Filled("motion computation", "what a member does that detects nobody", "it keeps its motion, as in section 2.1.2"),
+    Filled("motion computation", "a sum of zero, which has no direction", "the member stands still"),
+    Filled("neighbour selection", "whether all members or those of the densest horizon count", "all, as table A.1"),
+)
+HERD = Herd(spacing_m=4.0, speed_m_s=1.0, dt_s=1.0, space="bounded")
+CREATE = {"step_m": 0.33}
+
+
+class Parameters(NamedTuple):
+    """Of the local crowded horizon as validated."""
+
+    step_m: Annotated[
+        float, Parameter("m", "Fine 2015, table A.1: a unit vector, one body-length", published=True, low=0.0)
+    ] = 1.0
+    nearness_per_m: Annotated[
+        float,
+        Parameter("1/m", "w1 of table A.1, no value there; 0.375 is what later literature quotes of it", low=0.0),
+    ] = 0.375
+
+
+NEGLIGIBLE_M = 1e-12
+"""A sum of vectors shorter than this is zero but for rounding."""
+
+
+def law(
+    own: Own,
+    members: Members,
+    sets: Bools,
+    obstacles: Obstacles,
+    parameters: Parameters,
+    memory: Floats,
+    u: Floats,
+) -> Motion:
+    """Way-point: one step along the weighted sum."""
+    if count(sets[0]) == 0:
+        return Motion(Kind.HOLD, math.nan, math.nan, 0)
+    x, y = 0.0, 0.0
+    for j in range(len(sets[0])):
+        if sets[0, j]:
+            jx, jy = members.positions[j, 0], members.positions[j, 1]
+            weight = 1.0 / (1.0 + parameters.nearness_per_m * math.hypot(jx, jy))
+            x += weight * jx
+            y += weight * jy
+    if math.hypot(x, y) <= NEGLIGIBLE_M:
+        return Motion(Kind.STOP, math.nan, math.nan, 1)
+    x, y = unit(x, y)
+    return Motion(Kind.WAY_POINT, x * parameters.step_m, y * parameters.step_m, 1)
