@@ -5,7 +5,8 @@ turning rate"; Fine 2015, table A.1. Metres and seconds.
 
 The desired heading is that of w1 s + w2 a + w3 c + w4 m: the unit vectors of separation s = the mean over the
 neighbours j of (r_i - r_j)/|r_i - r_j|², of alignment a = their mean velocity, of cohesion c = their mean position less
-r_i, and of migration m, towards the goal. The turn of one update is at most the turning rate times the time since the last one.
+r_i, and of migration m, towards the goal. The turn of one update is at most the turning rate times the time since the
+last one.
 
 Needs positions and velocities; a member without a goal does not migrate. No neighbours: migration alone, or the heading
 stays. The robot never stops.
