@@ -230,13 +230,19 @@ def select(steps: Sequence[Chosen], members: Members, linked: Bools | None = Non
     return mask
 
 
-def tessellated(positions: Floats) -> Bools:
-    """(N, N): whose Voronoi cells touch, of members at `positions` (N, 2).
+def tessellated(positions: Floats, period_m: float = 0.0) -> Bools:
+    """(N, N): whose Voronoi cells touch, of members at `positions` (N, 2); in periodic space if `period_m` is not 0.
 
     By SciPy's Delaunay triangulation. Members on one line touch the next ones; coincident ones share their cells, and
     members at positions that are not finite have none.
     """
     count = len(positions)
+    if period_m > 0.0:
+        shifts = period_m * np.array([(x, y) for x in (0.0, 1.0, -1.0) for y in (0.0, 1.0, -1.0)])
+        images = tessellated((positions[None] + shifts[:, None]).reshape(-1, 2))
+        folded: Bools = images[:count].reshape(count, len(shifts), count).any(axis=1)
+        np.fill_diagonal(folded, False)
+        return folded
     touching = np.zeros((count, count), dtype=np.bool_)
     finite = np.flatnonzero(np.isfinite(positions).all(axis=1))
     points, which = np.unique(positions[finite], axis=0, return_inverse=True)

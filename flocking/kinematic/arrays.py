@@ -1,0 +1,151 @@
+"""What the kinematic herd's compiled code is handed: plain arrays in tuples of fixed type, world frame.
+
+Rows are members, N of them. Metres, seconds, radians.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from flocking.perception import ARGUMENTS
+from flocking.types import Bools, Floats, Ints
+
+POSES, BEARINGS = 0, 1
+"""What is known of where a neighbour is: its position, or its bearing alone."""
+
+
+class Bodies(NamedTuple):
+    """What moves."""
+
+    positions: Floats
+    """(N, 2)."""
+    headings: Floats
+    """(N,)."""
+    velocities: Floats
+    """(N, 2)."""
+    turn_rates: Floats
+    """(N,)."""
+    contacts: Bools
+    """(N, 2) left and right bumper pressed in the last step."""
+    memory: Floats
+    """(N, MEMORY) of the laws; as wide as the widest."""
+
+
+class Limits(NamedTuple):
+    """What each member's body can do."""
+
+    cruise: Floats
+    """(N,) speed towards a way-point; inf = it is reached in one step."""
+    max_speed: Floats
+    """(N,) inf = none."""
+    max_turn_rate: Floats
+    """(N,) inf = none."""
+    radii: Floats
+    """(N,) 0 = a point that nothing touches."""
+
+
+class Minds(NamedTuple):
+    """What each member is given."""
+
+    parameters: Floats
+    """(N, P) of its law; as wide as the widest."""
+    goals: Floats
+    """(N, 2) nan = none."""
+    roles: Ints
+    """(N,)."""
+
+
+class Place(NamedTuple):
+    """Where they are."""
+
+    period: float
+    """Side of the periodic square [0, period)²; 0 = not periodic."""
+    walls: Floats
+    """(W, 4) segments x0, y0, x1, y1."""
+    graph: Bools
+    """(N, N) or (0, 0): links of `fixed-set` without ids."""
+    tessellated: Bools
+    """(N, N) or (0, 0): whose Voronoi cells touch."""
+
+
+class Stages(NamedTuple):
+    """Stages 2 to 4 of the members of one band."""
+
+    steps: Ints
+    """(S, K) of the selections, as in `flocking.selection.Program`."""
+    given: Floats
+    """(S, K, ARGUMENTS)."""
+    named: Ints
+    """(S, K, ARGUMENTS)."""
+    parameters: int
+    """How many of the columns of `Minds.parameters` are the law's."""
+    memory: int
+    """Likewise of `Bodies.memory`."""
+    reach: float
+    """Nobody beyond it can matter; inf = no limit."""
+    bearings: bool
+    """Whether the law or a selection reads bearings."""
+    headings: bool
+    """Whether the law reads headings: virtual members that stand have none and are left out."""
+    detection: int
+    """`flocking.kinematic.detection.Detection`."""
+    information: int
+    """POSES or BEARINGS."""
+    assumed_distance: float
+    """At which a member is taken to be of which only the bearing is known."""
+    silhouette: float
+    """Radius of the members as a laser sees them."""
+    sight: float
+    """Range of obstacles and of the laser."""
+    obstacles: bool
+    """Whether the law reads obstacles."""
+    avoids: bool
+    """Whether the shared avoidance is added to the law."""
+    virtual: bool
+    """Whether obstacles become virtual members."""
+    look_ahead: float
+    margin: float
+
+
+def example_bodies() -> Bodies:
+    """Of the right types, for the kernel's signature."""
+    return Bodies(
+        np.empty((0, 2)), np.empty(0), np.empty((0, 2)), np.empty(0), np.empty((0, 2), np.bool_), np.empty((0, 0))
+    )
+
+
+def example_limits() -> Limits:
+    return Limits(np.empty(0), np.empty(0), np.empty(0), np.empty(0))
+
+
+def example_minds() -> Minds:
+    return Minds(np.empty((0, 0)), np.empty((0, 2)), np.empty(0, np.int64))
+
+
+def example_place() -> Place:
+    return Place(0.0, np.empty((0, 4)), np.empty((0, 0), np.bool_), np.empty((0, 0), np.bool_))
+
+
+def example_stages() -> Stages:
+    return Stages(
+        np.zeros((1, 1), np.int64),
+        np.zeros((1, 1, ARGUMENTS)),
+        np.zeros((1, 1, ARGUMENTS), np.int64),
+        0,
+        0,
+        0.0,
+        True,
+        True,
+        0,
+        0,
+        0.0,
+        0.0,
+        0.0,
+        True,
+        True,
+        True,
+        0.0,
+        0.0,
+    )

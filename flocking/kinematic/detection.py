@@ -1,0 +1,124 @@
+"""Stage 2 of the kinematic herd: what each detection makes of the members in view, without noise. Compiled.
+
+Source: Fine 2015, section 2.2. Members are discs seen by a laser that looks all around with the Hokuyo's steps; nearer
+ones hide what is behind them.
+
+- perfect: the centre of every member within range, hidden or not (global knowledge);
+- member-based: the mean of a recognised member's readings; recognised = at least `FEWEST_BEAMS` readings, and at least
+  `LEAST_SHOWN` of the beams that its disc would take unhidden;
+- member-extrapolated: every reading of the recognised members;
+- sensor-based: every reading that falls on a member.
+
+A reading carries its member's heading, velocity and id, where the law reads them. Where only bearings are known, an
+input stands at an assumed distance.
+"""
+
+from __future__ import annotations
+
+import math
+from enum import IntEnum
+
+from flocking.compilation import compiled
+from flocking.types import Floats, Ints
+
+BEAM_RAD = 2.0 * math.pi / 1024.0
+"""Step from beam to beam (data sheet of the URG-04LX-UG01)."""
+BEAMS = 1024
+FEWEST_BEAMS = 5
+"""Fewer readings have no shape. (choice)"""
+LEAST_SHOWN = 0.5
+"""A member of which less than half is in view is not recognised by its shape. (choice)"""
+
+
+class Detection(IntEnum):
+    """The detections of section 2.2, and the perfect one."""
+
+    PERFECT = 0
+    MEMBER_BASED = 1
+    MEMBER_EXTRAPOLATED = 2
+    SENSOR_BASED = 3
+
+
+@compiled
+def readings(positions: Floats, count: int, radius: float, sight: float, ranges: Floats, owners: Ints) -> None:
+    """Fills `ranges` and `owners` (BEAMS,) with what beam k at bearing k·BEAM_RAD hits; owner −1 = nothing.
+
+    `positions[:count]` are the centres of the discs, body frame. A disc that holds the focal member is not seen.
+    """
+    for b in range(BEAMS):
+        ranges[b] = math.inf
+        owners[b] = -1
+    for j in range(count):
+        x, y = positions[j, 0], positions[j, 1]
+        d = math.hypot(x, y)
+        if d <= radius or d - radius > sight:
+            continue
+        bearing = math.atan2(y, x)
+        half = math.asin(radius / d)
+        first = math.ceil((bearing - half) / BEAM_RAD)
+        last = math.floor((bearing + half) / BEAM_RAD)
+        for k in range(first, last + 1):
+            turn = k * BEAM_RAD - bearing
+            along = d * math.cos(turn)
+            across = d * math.sin(turn)
+            reading = along - math.sqrt(max(0.0, radius * radius - across * across))
+            b = k % BEAMS
+            if reading < ranges[b] and reading <= sight:
+                ranges[b] = reading
+                owners[b] = j
+
+
+@compiled
+def beams_of(x: float, y: float, radius: float) -> int:
+    """How many beams an unhidden disc at (x, y) takes."""
+    bearing = math.atan2(y, x)
+    half = math.asin(radius / math.hypot(x, y))
+    return int(math.floor((bearing + half) / BEAM_RAD) - math.ceil((bearing - half) / BEAM_RAD)) + 1
+
+
+@compiled
+def inputs(
+    detection: int,
+    positions: Floats,
+    count: int,
+    radius: float,
+    sight: float,
+    ranges: Floats,
+    owners: Ints,
+    points: Floats,
+    sources: Ints,
+) -> int:
+    """Writes the inputs of a detection that is not perfect and returns their number.
+
+    `points` (≥ BEAMS, 2) positions of the inputs; `sources` (≥ BEAMS,) the row of `positions` that each is of.
+    """
+    readings(positions, count, radius, sight, ranges, owners)
+    if detection == Detection.SENSOR_BASED:
+        found = 0
+        for b in range(BEAMS):
+            if owners[b] >= 0:
+                points[found, 0] = ranges[b] * math.cos(b * BEAM_RAD)
+                points[found, 1] = ranges[b] * math.sin(b * BEAM_RAD)
+                sources[found] = owners[b]
+                found += 1
+        return found
+    found = 0
+    for j in range(count):
+        first = found
+        lit, x, y = 0, 0.0, 0.0
+        for b in range(BEAMS):
+            if owners[b] == j:
+                px, py = ranges[b] * math.cos(b * BEAM_RAD), ranges[b] * math.sin(b * BEAM_RAD)
+                points[found, 0], points[found, 1] = px, py
+                sources[found] = j
+                found += 1
+                lit += 1
+                x += px
+                y += py
+        whole = beams_of(positions[j, 0], positions[j, 1], radius) if lit > 0 else 0
+        if lit < FEWEST_BEAMS or lit < LEAST_SHOWN * whole:
+            found = first
+        elif detection == Detection.MEMBER_BASED:
+            points[first, 0], points[first, 1] = x / lit, y / lit
+            found = first + 1
+    return found

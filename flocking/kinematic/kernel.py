@@ -1,0 +1,433 @@
+"""The kinematic herd's inner loop: any law, handed in as a function pointer, for each member in turn. Compiled.
+
+The kernel is compiled once for all laws: it takes a law through the one signature that they share
+(`flocking.lawentry.ENTRY_SIGNATURE`).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numba
+import numpy as np
+from numba.core import sigutils, types
+
+from flocking.angles import wrap
+from flocking.avoidance import avoid, virtual_members
+from flocking.compilation import compiled
+from flocking.kinematic import arrays, detection
+from flocking.kinematic.arrays import BEARINGS, Bodies, Limits, Minds, Place, Stages
+from flocking.kinematic.cells import Cells, binned, nearby
+from flocking.kinematic.motion import move, nearest_point, shortest
+from flocking.lawentry import ENTRY_SIGNATURE, OWN_SIZE
+from flocking.perception import ARGUMENTS, keep
+from flocking.types import ANONYMOUS, Bools, Floats, Ints, Kind
+
+PAD = 0.25
+"""Of the reach: how far a member may move before asynchronous members are binned anew."""
+
+
+class Scratch(NamedTuple):
+    """Room for what one member sees."""
+
+    own: Floats
+    near: Ints
+    """(18,) pieces of the cells' list."""
+    candidates: Ints
+    """(N,) members within reach."""
+    seen: Floats
+    """(N, 2) where they are, body frame."""
+    positions: Floats
+    bearings: Floats
+    headings: Floats
+    velocities: Floats
+    ids: Ints
+    sources: Ints
+    """Which member each input is of, −1 = virtual."""
+    sets: Bools
+    """Flat: (S · M,) is reshaped."""
+    linked: Bools
+    tessellated: Bools
+    given: Floats
+    obstacles: Floats
+    virtual_velocities: Floats
+    ranges: Floats
+    owners: Ints
+    motion: Floats
+
+
+@compiled
+def scratch(count: int, sets: int, walls: int, beams: int) -> Scratch:
+    """Room for herds of `count` members."""
+    room = max(count, beams) + walls
+    return Scratch(
+        np.zeros(OWN_SIZE),
+        np.empty(18, np.int64),
+        np.empty(count, np.int64),
+        np.empty((count, 2)),
+        np.empty((room, 2)),
+        np.empty(room),
+        np.empty(room),
+        np.empty((room, 2)),
+        np.empty(room, np.int64),
+        np.empty(room, np.int64),
+        np.empty(room * sets, np.bool_),
+        np.zeros(room, np.bool_),
+        np.zeros(room, np.bool_),
+        np.empty(ARGUMENTS),
+        np.empty((walls, 2)),
+        np.empty((walls, 2)),
+        np.empty(beams),
+        np.empty(beams, np.int64),
+        np.empty(4),
+    )
+
+
+@compiled
+def candidates(i: int, bodies: Bodies, cells: Cells, place: Place, reach: float, room: Scratch) -> int:
+    """Writes who is within reach of member i, and where from it (world axes); returns their number."""
+    x, y = bodies.positions[i, 0], bodies.positions[i, 1]
+    squared, count = reach * reach, 0
+    if cells.columns == 0:
+        for j in range(len(bodies.positions)):
+            dx = shortest(bodies.positions[j, 0] - x, place.period)
+            dy = shortest(bodies.positions[j, 1] - y, place.period)
+            if j != i and dx * dx + dy * dy <= squared:
+                room.candidates[count] = j
+                room.seen[count, 0], room.seen[count, 1] = dx, dy
+                count += 1
+        return count
+    pieces = nearby(cells, x, y, place.period, room.near)
+    for p in range(0, pieces, 2):
+        for k in range(room.near[p], room.near[p + 1]):
+            j = cells.members[k]
+            dx = shortest(bodies.positions[j, 0] - x, place.period)
+            dy = shortest(bodies.positions[j, 1] - y, place.period)
+            if j != i and dx * dx + dy * dy <= squared:
+                room.candidates[count] = j
+                room.seen[count, 0], room.seen[count, 1] = dx, dy
+                count += 1
+    return count
+
+
+@compiled
+def obstacles_seen(x: float, y: float, c: float, s: float, walls: Floats, sight: float, points: Floats) -> int:
+    """Writes the nearest point of each wall within sight, body frame; returns their number."""
+    count = 0
+    for w in range(len(walls)):
+        nx, ny = nearest_point(x, y, walls[w])
+        dx, dy = nx - x, ny - y
+        if dx * dx + dy * dy <= sight * sight:
+            points[count, 0], points[count, 1] = c * dx + s * dy, c * dy - s * dx
+            count += 1
+    return count
+
+
+@compiled
+def detected(i: int, stages: Stages, bodies: Bodies, cells: Cells, place: Place, room: Scratch) -> int:
+    """Stage 2: writes the set D of member i in its body frame; returns its size."""
+    count = candidates(i, bodies, cells, place, stages.reach, room)
+    heading = bodies.headings[i]
+    c, s = math.cos(heading), math.sin(heading)
+    if stages.detection == detection.Detection.PERFECT:
+        for k in range(count):
+            dx, dy = room.seen[k, 0], room.seen[k, 1]
+            room.positions[k, 0], room.positions[k, 1] = c * dx + s * dy, c * dy - s * dx
+            room.sources[k] = room.candidates[k]
+        found = count
+    else:
+        for k in range(count):
+            dx, dy = room.seen[k, 0], room.seen[k, 1]
+            room.seen[k, 0], room.seen[k, 1] = c * dx + s * dy, c * dy - s * dx
+        found = detection.inputs(
+            stages.detection,
+            room.seen,
+            count,
+            stages.silhouette,
+            stages.sight,
+            room.ranges,
+            room.owners,
+            room.positions,
+            room.sources,
+        )
+        for k in range(found):
+            room.sources[k] = room.candidates[room.sources[k]]
+    for k in range(found):
+        j = room.sources[k]
+        room.headings[k] = wrap(bodies.headings[j] - heading)
+        vx, vy = bodies.velocities[j, 0], bodies.velocities[j, 1]
+        room.velocities[k, 0], room.velocities[k, 1] = c * vx + s * vy, c * vy - s * vx
+        room.ids[k] = j
+    if stages.information == BEARINGS:
+        for k in range(found):
+            d = math.hypot(room.positions[k, 0], room.positions[k, 1])
+            if d > 0.0:
+                room.positions[k, 0] *= stages.assumed_distance / d
+                room.positions[k, 1] *= stages.assumed_distance / d
+    if stages.bearings:
+        for k in range(found):
+            room.bearings[k] = math.atan2(room.positions[k, 1], room.positions[k, 0])
+    return found
+
+
+@compiled
+def with_virtual(found: int, points: Floats, stages: Stages, room: Scratch) -> int:
+    """The set D with a virtual member for each obstacle in sight; returns its size."""
+    vx, vy = room.own[0], room.own[1]
+    added = virtual_members(points, vx, vy, stages.sight, room.positions[found:], room.virtual_velocities)
+    count = found
+    for k in range(added):
+        ux, uy = room.virtual_velocities[k, 0], room.virtual_velocities[k, 1]
+        if stages.headings and ux == 0.0 and uy == 0.0:
+            continue
+        x, y = room.positions[found + k, 0], room.positions[found + k, 1]
+        room.positions[count, 0], room.positions[count, 1] = x, y
+        room.bearings[count] = math.atan2(y, x)
+        room.headings[count] = math.atan2(uy, ux)
+        room.velocities[count, 0], room.velocities[count, 1] = ux, uy
+        room.ids[count] = ANONYMOUS
+        room.sources[count] = -1
+        count += 1
+    return count
+
+
+@compiled
+def select(i: int, found: int, stages: Stages, minds: Minds, place: Place, room: Scratch) -> None:
+    """Stage 3: writes the masks of all sets into `room.sets`."""
+    for k in range(found):
+        j = room.sources[k]
+        room.linked[k] = j >= 0 and len(place.graph) > 0 and place.graph[i, j]
+        room.tessellated[k] = j >= 0 and len(place.tessellated) > 0 and place.tessellated[i, j]
+    steps = stages.steps
+    for set_ in range(steps.shape[0]):
+        mask = room.sets[set_ * found : (set_ + 1) * found]
+        mask[:] = True
+        for k in range(steps.shape[1]):
+            if steps[set_, k] == 0:
+                continue
+            for a in range(ARGUMENTS):
+                named = stages.named[set_, k, a]
+                room.given[a] = minds.parameters[i, named] if named >= 0 else stages.given[set_, k, a]
+            keep(
+                steps[set_, k],
+                room.given,
+                room.positions[:found],
+                room.bearings[:found],
+                room.ids[:found],
+                room.linked[:found],
+                room.tessellated[:found],
+                mask,
+            )
+
+
+@compiled
+def know_oneself(i: int, bodies: Bodies, minds: Minds, dt: float, own: Floats) -> None:
+    """Writes what member i knows of itself, as `flocking.lawentry.packed_own` packs it."""
+    heading = bodies.headings[i]
+    c, s = math.cos(heading), math.sin(heading)
+    vx, vy = bodies.velocities[i, 0], bodies.velocities[i, 1]
+    own[0], own[1] = c * vx + s * vy, c * vy - s * vx
+    own[2] = bodies.turn_rates[i]
+    own[3] = heading
+    gx, gy = minds.goals[i, 0] - bodies.positions[i, 0], minds.goals[i, 1] - bodies.positions[i, 1]
+    own[4], own[5] = c * gx + s * gy, c * gy - s * gx
+    own[6] = 1.0 if bodies.contacts[i, 0] else 0.0
+    own[7] = 1.0 if bodies.contacts[i, 1] else 0.0
+    own[8] = dt
+    own[9] = i
+    own[10] = minds.roles[i]
+
+
+@numba.njit(error_model="numpy")
+def decide(
+    law: object,
+    i: int,
+    stages: Stages,
+    bodies: Bodies,
+    minds: Minds,
+    cells: Cells,
+    place: Place,
+    u: Floats,
+    dt: float,
+    room: Scratch,
+) -> bool:
+    """Stages 2 to 4 of member i; its motion is in `room.motion`. False if the law gave what it must not."""
+    know_oneself(i, bodies, minds, dt, room.own)
+    found = detected(i, stages, bodies, cells, place, room)
+    blocks = 0
+    if stages.obstacles or stages.avoids or stages.virtual:
+        heading = bodies.headings[i]
+        blocks = obstacles_seen(
+            bodies.positions[i, 0],
+            bodies.positions[i, 1],
+            math.cos(heading),
+            math.sin(heading),
+            place.walls,
+            stages.sight,
+            room.obstacles,
+        )
+        if stages.virtual:
+            found = with_virtual(found, room.obstacles[:blocks], stages, room)
+    select(i, found, stages, minds, place, room)
+    sets = stages.steps.shape[0]
+    motion = room.motion
+    law(
+        room.own,
+        room.positions[:found],
+        room.bearings[:found],
+        room.headings[:found],
+        room.velocities[:found],
+        room.ids[:found],
+        room.sets[: sets * found].reshape(sets, found),
+        room.obstacles[: blocks if stages.obstacles else 0],
+        minds.parameters[i, : stages.parameters],
+        bodies.memory[i, : stages.memory],
+        u,
+        motion,
+    )
+    if stages.avoids and blocks > 0:
+        kind, x, y, _ = avoid(
+            int(motion[0]),
+            motion[1],
+            motion[2],
+            room.own[0],
+            room.own[1],
+            dt,
+            room.obstacles[:blocks],
+            stages.look_ahead,
+            stages.margin,
+        )
+        motion[0], motion[1], motion[2] = kind, x, y
+    kind = int(motion[0])
+    if kind == Kind.HOLD or kind == Kind.STOP:
+        return True
+    return 0 <= kind <= 5 and abs(motion[1]) + abs(motion[2]) < math.inf
+
+
+@compiled
+def record(bodies: Bodies, track: Floats) -> None:
+    """Writes x, y, heading and velocity of all members into `track` (N, 5)."""
+    for i in range(len(bodies.positions)):
+        track[i, 0], track[i, 1] = bodies.positions[i, 0], bodies.positions[i, 1]
+        track[i, 2] = bodies.headings[i]
+        track[i, 3], track[i, 4] = bodies.velocities[i, 0], bodies.velocities[i, 1]
+
+
+_LAW = types.FunctionType(sigutils._parse_signature_string(ENTRY_SIGNATURE))
+_SHARED = tuple(
+    numba.typeof(value)
+    for value in (
+        arrays.example_stages(),
+        arrays.example_bodies(),
+        arrays.example_limits(),
+        arrays.example_minds(),
+        arrays.example_place(),
+    )
+)
+_F, _I = types.float64, types.int64
+
+
+@numba.njit(
+    _I(_LAW, *_SHARED, _I[::1], _F[:, :, ::1], _F, _F[:, ::1], _F[:, :, ::1], _I, _I),
+    cache=True,
+    error_model="numpy",
+)
+def synchronous(
+    law: object,
+    stages: Stages,
+    bodies: Bodies,
+    limits: Limits,
+    minds: Minds,
+    place: Place,
+    who: Ints,
+    draws: Floats,
+    dt: float,
+    motions: Floats,
+    tracks: Floats,
+    every: int,
+    decides_only: int,
+) -> int:
+    """Steps in which all members decide on the same state and then move; returns −1, or who failed.
+
+    `who` (n,) are the members that run the law; `draws` (steps, n, DRAWS); `motions` (N, 4) is written to. With
+    `decides_only` nobody moves (groups with several laws). Every `every`-th step is recorded in `tracks` (T, N, 5).
+    A failure is returned as step · N + member.
+    """
+    count = len(bodies.positions)
+    beams = 0 if stages.detection == detection.Detection.PERFECT else detection.BEAMS
+    room = scratch(count, stages.steps.shape[0], len(place.walls), beams)
+    others = np.empty((count, 2))
+    for step in range(len(draws)):
+        cells = binned(bodies.positions, stages.reach, place.period)
+        for k in range(len(who)):
+            # cell by cell, so that what is near in space is near in memory
+            at = cells.members[k] if cells.columns > 0 and len(who) == count else k
+            i = who[at]
+            if not decide(law, i, stages, bodies, minds, cells, place, draws[step, at], dt, room):
+                motions[i] = room.motion
+                return step * count + i
+            motions[i] = room.motion
+        if decides_only == 0:
+            others[:] = bodies.positions
+            for i in range(count):
+                move(i, int(motions[i, 0]), motions[i, 1], motions[i, 2], bodies, others, limits, place, dt)
+            if (step + 1) % every == 0:
+                record(bodies, tracks[(step + 1) // every - 1])
+    return -1
+
+
+@numba.njit(
+    _I(_LAW, *_SHARED, _I[:, ::1], _F[:, :, ::1], _F, _F[:, ::1], _F[:, :, ::1], _I),
+    cache=True,
+    error_model="numpy",
+)
+def asynchronous(
+    law: object,
+    stages: Stages,
+    bodies: Bodies,
+    limits: Limits,
+    minds: Minds,
+    place: Place,
+    order: Ints,
+    draws: Floats,
+    dt: float,
+    motions: Floats,
+    tracks: Floats,
+    every: int,
+) -> int:
+    """Steps in which the members decide and move one after the other; returns −1, or who failed.
+
+    `order` (steps, n): who comes when; `draws` (steps, n, DRAWS) in that order. The rest as in `synchronous`.
+    """
+    count = len(bodies.positions)
+    beams = 0 if stages.detection == detection.Detection.PERFECT else detection.BEAMS
+    room = scratch(count, stages.steps.shape[0], len(place.walls), beams)
+    pad = PAD * stages.reach
+    for step in range(len(order)):
+        cells = binned(bodies.positions, stages.reach + 2.0 * pad, place.period)
+        at = bodies.positions.copy()
+        for k in range(order.shape[1]):
+            i = order[step, k]
+            if not decide(law, i, stages, bodies, minds, cells, place, draws[step, k], dt, room):
+                motions[i] = room.motion
+                return step * count + i
+            motions[i] = room.motion
+            move(i, int(motions[i, 0]), motions[i, 1], motions[i, 2], bodies, bodies.positions, limits, place, dt)
+            if cells.columns > 0:
+                dx = shortest(bodies.positions[i, 0] - at[i, 0], place.period)
+                dy = shortest(bodies.positions[i, 1] - at[i, 1], place.period)
+                if dx * dx + dy * dy > pad * pad:
+                    cells = binned(bodies.positions, stages.reach + 2.0 * pad, place.period)
+                    at[:] = bodies.positions
+        if (step + 1) % every == 0:
+            record(bodies, tracks[(step + 1) // every - 1])
+    return -1
+
+
+@numba.njit(types.void(*_SHARED[1:3], _SHARED[4], _F, _F[:, ::1]), cache=True, error_model="numpy")
+def move_all(bodies: Bodies, limits: Limits, place: Place, dt: float, motions: Floats) -> None:
+    """Moves everybody as decided: the second half of a synchronous step of groups with several laws."""
+    others = bodies.positions.copy()
+    for i in range(len(bodies.positions)):
+        move(i, int(motions[i, 0]), motions[i, 1], motions[i, 2], bodies, others, limits, place, dt)
