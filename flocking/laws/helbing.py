@@ -1,0 +1,138 @@
+"""Social force model of pedestrians: what a walker wants, and what others and walls keep it from, add up.
+
+Source: Helbing, Buzna, Johansson and Werner 2005 on the model of Helbing and Molnar 1995; Fine 2015, section 3.4.1,
+which does not formalise it. Metres and seconds, forces per mass, body frame.
+
+Acceleration = (desired speed · e − v) / relaxation time + Σ members A exp((diameter − d) / B) w(φ) away from each
++ Σ walls A_w exp((radius − d) / B_w) away from each + Σ members C towards each + fluctuation, with
+w(φ) = λ + (1 − λ)(1 + cos φ) / 2, φ the angle between the own motion and the direction to the other one.
+
+Reads the members' positions, the goal and the obstacles. With no neighbours the walker goes its way: the driving term,
+the walls and the fluctuation remain. Walkers that differ (the row's heterogeneous group) have other parameters.
+Deviation: the row lists the others' velocity, which the circular form of the repulsion does not read.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, NamedTuple
+
+from flocking.parameters import Parameter
+from flocking.taxonomy import Filled, Herd, Taxonomy, Validation
+from flocking.terms import random_vector, speed_limited, unit
+from flocking.types import Bools, Floats, Kind, Members, Motion, Obstacles, Own
+
+NEEDS = frozenset({"positions", "goal", "obstacles"})
+RULES = ("alone", "social")
+SETS = {"neighbours": "distance-based(0, range_m)"}
+DRAWS = 2
+
+HELBING_1995 = "Helbing and Molnar 1995, the model's parameters"
+
+
+class Parameters(NamedTuple):
+    """Of the social forces."""
+
+    desired_speed_m_s: Annotated[float, Parameter("m/s", f"{HELBING_1995}: the mean", published=True, low=0.0)] = 1.34
+    relaxation_s: Annotated[float, Parameter("s", HELBING_1995, published=True, low=1e-3)] = 0.5
+    top_speed_factor: Annotated[
+        float, Parameter("", f"{HELBING_1995}: top speed by desired speed", published=True, low=1.0)
+    ] = 1.3
+    diameter_m: Annotated[float, Parameter("m", "our choice: a pedestrian's, shoulder to shoulder", low=0.0)] = 0.6
+    repulsion_m_s2: Annotated[float, Parameter("m/s²", "our choice: strength A of the repulsion", low=0.0)] = 3.0
+    repulsion_range_m: Annotated[float, Parameter("m", "our choice: range B of the repulsion", low=0.01)] = 0.2
+    anisotropy: Annotated[
+        float, Parameter("", "our choice: λ, the weight of what is behind; 1 = all alike", low=0.0, high=1.0)
+    ] = 0.75
+    wall_m_s2: Annotated[float, Parameter("m/s²", "our choice: strength of the walls' repulsion", low=0.0)] = 5.0
+    wall_range_m: Annotated[float, Parameter("m", "our choice: range of the walls' repulsion", low=0.01)] = 0.1
+    attraction_m_s2: Annotated[
+        float, Parameter("m/s²", "our choice: C, the pull of each neighbour, whatever its distance", low=0.0)
+    ] = 0.1
+    fluctuation: Annotated[
+        float,
+        Parameter("m/s^1.5", "our choice: the fluctuation alone spreads each velocity by this in a second", low=0),
+    ] = 0.1
+    range_m: Annotated[float, Parameter("m", "our choice: members farther away are not felt", low=0.0)] = 10.0
+
+
+TAXONOMY = Taxonomy("heterogeneous", "idealized", "continuous", "all", False, True, True, False)
+VALIDATION = Validation("SP", False, "global", "global", "-", "bounded obstacles")
+"""The row is that of Helbing et al. 2000; the physical agents were people."""
+FILLED = (
+    Filled(
+        "motion computation",
+        "the attraction is defined by its name only",
+        "a constant pull towards each neighbour, the form of the authors' model of escape (2000); 0 takes it away",
+    ),
+    Filled(
+        "motion computation",
+        "the fluctuation is a random term of unstated properties",
+        "white noise, normal and alike in all directions, drawn anew at each computation and held for its time step",
+    ),
+    Filled(
+        "motion computation",
+        "where a walker without a destination wants to go",
+        "where it goes; straight ahead where it stands",
+    ),
+    Filled("neighbour selection", "no range is given", "members nearer than a range; the forces fade long before it"),
+    Filled("sensing", "how a wall acts", "by its nearest point, one force a surface"),
+)
+HERD = Herd(2.0, 1.34, 0.05)
+CREATE = {
+    "desired_speed_m_s": 0.25,
+    "diameter_m": 0.33,
+    "repulsion_m_s2": 0.5,
+    "wall_m_s2": 0.8,
+    "wall_range_m": 0.15,
+    "attraction_m_s2": 0.03,
+    "fluctuation": 0.02,
+    "range_m": 5.6,
+}
+
+
+def law(
+    own: Own,
+    members: Members,
+    sets: Bools,
+    obstacles: Obstacles,
+    parameters: Parameters,
+    memory: Floats,
+    u: Floats,
+) -> Motion:
+    """Acceleration by the sum of all forces."""
+    vx, vy = own.velocity[0], own.velocity[1]
+    going_x, going_y = unit(vx, vy)
+    if going_x == 0.0 and going_y == 0.0:
+        going_x = 1.0
+    wanted_x, wanted_y = going_x, going_y
+    if not math.isnan(own.goal[0]):
+        wanted_x, wanted_y = unit(own.goal[0], own.goal[1])
+    ax = (parameters.desired_speed_m_s * wanted_x - vx) / parameters.relaxation_s
+    ay = (parameters.desired_speed_m_s * wanted_y - vy) / parameters.relaxation_s
+    felt = 0
+    for j in range(len(members.ids)):
+        distance = math.hypot(members.positions[j, 0], members.positions[j, 1])
+        if sets[0, j] and distance > 0.0:
+            felt = 1
+            nx, ny = members.positions[j, 0] / distance, members.positions[j, 1] / distance
+            facing = 0.5 * (1.0 + going_x * nx + going_y * ny)
+            weight = parameters.anisotropy + (1.0 - parameters.anisotropy) * facing
+            push = weight * parameters.repulsion_m_s2
+            push *= math.exp((parameters.diameter_m - distance) / parameters.repulsion_range_m)
+            ax += (parameters.attraction_m_s2 - push) * nx
+            ay += (parameters.attraction_m_s2 - push) * ny
+    for k in range(len(obstacles.points)):
+        distance = math.hypot(obstacles.points[k, 0], obstacles.points[k, 1])
+        if distance > 0.0:
+            push = parameters.wall_m_s2
+            push *= math.exp((0.5 * parameters.diameter_m - distance) / parameters.wall_range_m)
+            ax -= push * obstacles.points[k, 0] / distance
+            ay -= push * obstacles.points[k, 1] / distance
+    if own.dt > 0.0:
+        jolt_x, jolt_y = random_vector(u[0], u[1])
+        ax += parameters.fluctuation / math.sqrt(own.dt) * jolt_x
+        ay += parameters.fluctuation / math.sqrt(own.dt) * jolt_y
+    top_speed = parameters.top_speed_factor * parameters.desired_speed_m_s
+    ax, ay = speed_limited(ax, ay, vx, vy, own.dt, top_speed)
+    return Motion(Kind.ACCELERATION, ax, ay, felt)
