@@ -7,6 +7,8 @@ An experiment's file holds
 - `CONDITIONS`: the dotted keys that it varies and their values: a full factorial design;
 - `base(repeat) -> Trial`: the trial of that repeat before the conditions are put in;
 - optionally `SOURCES`: its own words on where a key's value comes from;
+- optionally `RECORD`: which trials are recorded where `herd run` is not told (`all`, unless it says otherwise);
+- optionally `KEY_MEASURES`: the measures that a first look at the report needs;
 - optionally `claims(run)` and `figures(run, folder)`: what `herd report` sets beside the publication.
 """
 
@@ -21,7 +23,8 @@ from typing import Any
 
 from flocking import found
 from flocking.errors import InputError
-from trials import keys
+from trials import simulations
+from trials.rows import Row, marked
 from trials.types import Trial, Value
 
 PACKAGE = "trials.experiments"
@@ -36,7 +39,7 @@ class Plan:
     experiment: str
     title: str
     trials: list[Trial]
-    parameters: list[keys.Row]
+    parameters: list[Row]
     """Every parameter of the first trial."""
     conditions: dict[str, list[Value]]
     """The experiment's own factors and their values."""
@@ -130,12 +133,12 @@ def plan(
     )
 
 
-def _parameters(module: ModuleType, trial: Trial, varied: set[str]) -> list[keys.Row]:
+def _parameters(module: ModuleType, trial: Trial, varied: set[str]) -> list[Row]:
     """Every parameter of a trial; those that the user set say so."""
     sources = getattr(module, "SOURCES", {})
-    usual = {row.key: row.value for row in keys.rows(module.base(trial.repeat))}
-    rows = keys.rows(trial, sources)
-    return [row if row.key in varied else keys.marked(row, usual.get(row.key, row.value)) for row in rows]
+    usual = {row.key: row.value for row in simulations.rows(module.base(trial.repeat))}
+    rows = simulations.rows(trial, sources)
+    return [row if row.key in varied else marked(row, usual.get(row.key, row.value)) for row in rows]
 
 
 def cell_of(trial: Trial) -> str:
@@ -154,7 +157,7 @@ def _cells(
     chosen = {**settings, **arm}
     names = {key: value for key, value in chosen.items() if not _names_first(key)[0]}
     changed = any(key.rsplit(".", 1)[-1] == "law" for key in names)
-    known = {row.key for row in keys.rows(_put(module.base(1), names))} if changed else set(conditions)
+    known = {row.key for row in simulations.rows(_put(module.base(1), names))} if changed else set(conditions)
     for key in conditions:
         if key not in known:
             notes[f"{key} is left out: the law has no parameter {key.rsplit('.', 1)[-1]}"] = None
@@ -164,14 +167,14 @@ def _cells(
 
 def _put(trial: Trial, values: Mapping[str, Any]) -> Trial:
     for key in sorted(values, key=_names_first):
-        trial = keys.put(trial, key, values[key])
+        trial = simulations.put(trial, key, values[key])
     return trial
 
 
 def _names_first(key: str) -> tuple[bool, bool, str]:
     """Laws, pipelines and settings are put before their parameters."""
     parts = key.split(".")
-    return len(parts) > 2, parts[0] == "world" and len(parts) == 2, key
+    return len(parts) > 2, parts[0] in ("world", "formation") and len(parts) == 2, key
 
 
 def _spelled(trial: Trial) -> Trial:

@@ -8,9 +8,10 @@ from typing import Annotated, Any, NamedTuple
 
 from flocking import found, lawentry, selection
 from flocking.errors import unknown_name
-from flocking.parameters import Declared, Parameter, checked, declared
+from flocking.parameters import Parameter, checked, declared
 from robots import create
 from sensing import laser
+from trials.rows import Row, added, rows_of, told
 from trials.types import Group, Trial
 from worlds import formations
 
@@ -73,16 +74,6 @@ class GroupFields(NamedTuple):
     ] = True
 
 
-class Row(NamedTuple):
-    """One line of `herd show`."""
-
-    key: str
-    value: Any
-    unit: str
-    source: str
-    published: bool
-
-
 def put(trial: Trial, key: str, value: Any) -> Trial:
     """`trial` with one key set; the value is checked. Raises `InputError` naming the nearest keys."""
     fields = declared(TrialFields)
@@ -91,30 +82,30 @@ def put(trial: Trial, key: str, value: Any) -> Trial:
     parts = key.split(".")
     if parts[0] == "world" and len(parts) == 2:
         module = found.load("worlds", trial.world, "world")
-        given = _added(trial.world_parameters, key, parts[1], value, declared(module.Parameters), trial)
+        given = added(trial.world_parameters, key, parts[1], value, declared(module.Parameters), _keys(trial))
         return dataclasses.replace(trial, world_parameters=given)
     for number, group in enumerate(trial.groups):
         if parts[0] == group.name and 2 <= len(parts) <= 3:
             changed = _put_group(trial, group, key, parts[1:], value)
             return dataclasses.replace(trial, groups=(*trial.groups[:number], changed, *trial.groups[number + 1 :]))
-    raise unknown_name("parameter", key, [row.key for row in rows(trial)])
+    raise unknown_name("parameter", key, _keys(trial))
 
 
 def rows(trial: Trial, sources: Mapping[str, Parameter] | None = None) -> list[Row]:
     """Every key of a trial with value, unit and source; `sources` are the experiment's own words for some."""
-    found_rows = _rows_of(TrialFields, "", vars(trial))
+    found_rows = rows_of(TrialFields, "", vars(trial))
     module = found.load("worlds", trial.world, "world")
-    found_rows += _rows_of(module.Parameters, "world.", trial.world_parameters)
+    found_rows += rows_of(module.Parameters, "world.", trial.world_parameters)
     for group in trial.groups:
         name = f"{group.name}."
-        found_rows += _rows_of(GroupFields, name, vars(group))
+        found_rows += rows_of(GroupFields, name, vars(group))
         law = _law_module(group)
-        found_rows += _rows_of(law.Parameters, f"{name}law.", group.law_parameters)
+        found_rows += rows_of(law.Parameters, f"{name}law.", group.law_parameters)
         pipeline = found.load("sensing.pipelines", group.pipeline, "pipeline")
-        found_rows += _rows_of(pipeline.Parameters, f"{name}pipeline.", group.pipeline_parameters)
+        found_rows += rows_of(pipeline.Parameters, f"{name}pipeline.", group.pipeline_parameters)
         setting = laser.SETTINGS[group.sensors]._asdict()
-        found_rows += _rows_of(laser.Parameters, f"{name}sensors.", {**setting, **group.sensor_parameters})
-    return [_told(row, (sources or {}).get(row.key)) for row in found_rows]
+        found_rows += rows_of(laser.Parameters, f"{name}sensors.", {**setting, **group.sensor_parameters})
+    return [told(row, (sources or {}).get(row.key)) for row in found_rows]
 
 
 def _put_group(trial: Trial, group: Group, key: str, parts: list[str], value: Any) -> Group:
@@ -138,18 +129,10 @@ def _put_group(trial: Trial, group: Group, key: str, parts: list[str], value: An
         }
         if parts[0] in places:
             field, parameters = places[parts[0]]
-            given = _added(getattr(group, field), key, parts[1], value, declared(parameters()), trial)
+            given = added(getattr(group, field), key, parts[1], value, declared(parameters()), _keys(trial))
             changes: dict[str, Any] = {field: given}
             return dataclasses.replace(group, **changes)
-    raise unknown_name("parameter", key, [row.key for row in rows(trial)])
-
-
-def _added(
-    given: Mapping[str, Any], key: str, name: str, value: Any, known: Mapping[str, Declared], trial: Trial
-) -> dict[str, Any]:
-    if name not in known:
-        raise unknown_name("parameter", key, [row.key for row in rows(trial)])
-    return {**given, name: checked(key, value, known[name])}
+    raise unknown_name("parameter", key, _keys(trial))
 
 
 def _named(key: str, value: Any) -> Any:
@@ -182,23 +165,9 @@ def valid(package: str) -> list[str]:
     return [n for n in found_names if callable(getattr(found.load(package, n, package), marks[package], None))]
 
 
+def _keys(trial: Trial) -> list[str]:
+    return [row.key for row in rows(trial)]
+
+
 def _law_module(group: Group) -> Any:
     return lawentry.module_of(group.law, group.law_source)
-
-
-def _rows_of(parameters: type, prefix: str, given: Mapping[str, Any]) -> list[Row]:
-    return [
-        Row(f"{prefix}{d.name}", given.get(d.name, d.default), d.about.unit, d.about.source, d.about.published)
-        for d in declared(parameters).values()
-    ]
-
-
-def marked(row: Row, usual: Any) -> Row:
-    """A row whose value was set by the user: no longer what its source gives."""
-    if row.value == usual:
-        return row
-    return row._replace(source=f"set here in place of {usual}", published=False)
-
-
-def _told(row: Row, about: Parameter | None) -> Row:
-    return row if about is None else row._replace(source=about.source, published=about.published)

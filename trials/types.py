@@ -43,6 +43,9 @@ class Group:
     start_moving: bool = True
     """Whether the command that robots are given at the start, and keep while they see nobody, is to drive straight
     on at cruising speed; else it is to stand still."""
+    kinematics: Mapping[str, Value] = field(default_factory=dict)
+    """Of a kinematic trial: what differs from the defaults of `trials.kinematic.fields.GroupFields`. Such a group has
+    a count, a pipeline, a selection and a law; the other fields of a robot mean nothing to it."""
 
 
 @dataclass(frozen=True)
@@ -58,12 +61,19 @@ class Trial:
     world: str
     formation: str
     duration_s: float
+    """0 for a kinematic trial, which counts steps."""
     groups: tuple[Group, ...]
     world_parameters: Mapping[str, Value] = field(default_factory=dict)
     conditions: Mapping[str, Value] = field(default_factory=dict)
     """What the experiment (and a sweep) varies from trial to trial."""
     timestep_s: float = 0.01
     """Of physics."""
+    simulation: str = "physics"
+    """`physics`: robots in MuJoCo; `kinematic`: the compiled herd of `flocking.kinematic`."""
+    formation_parameters: Mapping[str, Value] = field(default_factory=dict)
+    kinematics: Mapping[str, Value] = field(default_factory=dict)
+    """Of a kinematic trial: what differs from the defaults of `trials.kinematic.fields.TrialFields`; its length and
+    time step are among them."""
 
     def as_dict(self) -> dict[str, Any]:
         """As plain dicts and lists, for JSON."""

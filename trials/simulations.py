@@ -1,0 +1,77 @@
+"""The two ways to run a trial, physical and kinematic; each is imported only where it is asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from flocking.parameters import Parameter
+from trials.types import Trial, TrialResult
+
+if TYPE_CHECKING:
+    from trials.rows import Row
+
+PHYSICS, KINEMATIC = "physics", "kinematic"
+
+
+def is_kinematic(trial: Trial) -> bool:
+    """Whether a trial needs neither MuJoCo nor sensors."""
+    return trial.simulation == KINEMATIC
+
+
+def put(trial: Trial, key: str, value: Any) -> Trial:
+    """`trial` with one dotted key set; the value is checked. Raises `InputError` naming the nearest keys."""
+    if is_kinematic(trial):
+        from trials.kinematic import keys as kinematic
+
+        return kinematic.put(trial, key, value)
+    from trials import keys as physical
+
+    return physical.put(trial, key, value)
+
+
+def rows(trial: Trial, sources: Mapping[str, Parameter] | None = None) -> list[Row]:
+    """Every key of a trial with value, unit and source; `sources` are the experiment's own words for some."""
+    if is_kinematic(trial):
+        from trials.kinematic import keys as kinematic
+
+        return kinematic.rows(trial, sources)
+    from trials import keys as physical
+
+    return physical.rows(trial, sources)
+
+
+def check(trial: Trial) -> None:
+    """Refuses, before anything is run, a trial whose names and numbers do not fit one another: `InputError`."""
+    if is_kinematic(trial):
+        from trials.kinematic import herd as kinematic
+
+        kinematic.check(trial)
+    else:
+        from trials import herd as physical
+
+        physical.check(trial)
+
+
+def run_trial(trial: Trial, scans: str = "none", reraise: bool = False) -> TrialResult:
+    """Runs one trial and measures it; what goes wrong makes it a failed one, or is raised with `reraise`."""
+    if is_kinematic(trial):
+        from trials.kinematic import loop as kinematic
+
+        return kinematic.run_trial(trial, reraise)
+    from trials import loop as physical
+
+    return physical.run_trial(trial, scans, reraise)
+
+
+def record(result: TrialResult, path: Path) -> None:
+    """Writes the recording of a finished trial."""
+    if is_kinematic(result.trial):
+        from trials.kinematic import recordings as kinematic
+
+        kinematic.write(result, path)
+    else:
+        from trials import recordings as physical
+
+        physical.write(result, path)
