@@ -21,7 +21,10 @@ _TARGET, _SETPOINT, _ANGLE, _POLLED = 0, 2, 4, 6
 _POSE = 8  # x, y, heading by odometry
 _SINCE = 11  # distance, angle, requests since the velocity was last asked for
 _PRESSED, _LATCHED = 14, 16  # bumpers left, right
-_COLUMNS = 18
+_MEANT = 18  # way of the left and the right wheel by their set-points (rad), and steps, since `own` was last asked
+_MEANT_POSE = 21  # x, y, heading by the set-points
+_MEANT_RATES = 24  # mean speed and turn rate by the set-points when last asked
+_COLUMNS = 26
 # Columns of a robot's row in the addresses
 _ROOT, _WHEELS, _SERVOS, _BUMPERS = 0, 1, 3, 5
 
@@ -78,7 +81,7 @@ class Fleet:
 
     def before_step(self, data: mujoco.MjData) -> None:
         """Ramp the wheels' set-points towards the commands."""
-        _ramped(self._state, self._addresses, self._ramp, data.ctrl)
+        _ramped(self._state, self._addresses, self._ramp, self._clock[2], data.ctrl)
 
     def after_step(self, data: mujoco.MjData) -> None:
         """Poll encoders and bumpers."""
@@ -114,6 +117,21 @@ class Fleet:
         own axes (m/s) and its turn rate (rad/s), and contacts (2,)."""
         _own(self._state, k, self._clock[0], self._last_velocity, motion, contacts)
 
+    def meant(self, k: int, motion: Floats) -> None:
+        """Fills motion (3,) as `own` does, by the wheels' set-points instead of the encoders.
+
+        The set-points are the drive commands and the wheels' acceleration limit: what a robot knows without measuring.
+        """
+        _meant(self._state, k, self._clock[2], motion)
+
+    def meant_pose(self, k: int) -> Floats:
+        """(3,) x, y, heading of robot k by its set-points when `meant` was last asked, in the frame of its start."""
+        return self._state[k, _MEANT_POSE : _MEANT_POSE + 3].copy()
+
+    def counted_pose(self, k: int) -> Floats:
+        """(3,) x, y, heading of robot k by its odometry, in the frame of its start."""
+        return self._state[k, _POSE : _POSE + 3].copy()
+
     @property
     def bumpers(self) -> Bools:
         """(N, 2) left and right bumper pressed now."""
@@ -140,6 +158,21 @@ def _own(state: Floats, k: int, period: float, last: Floats, motion: Floats, con
 
 
 @compiled
+def _meant(state: Floats, k: int, timestep: float, motion: Floats) -> None:
+    row = state[k]
+    steps = row[_MEANT + 2]
+    if steps > 0.0:
+        left, right = create.WHEEL_RADIUS * row[_MEANT], create.WHEEL_RADIUS * row[_MEANT + 1]
+        distance, angle = drive.twist(left, right)
+        x, y, heading = odometry.moved(row[_MEANT_POSE], row[_MEANT_POSE + 1], row[_MEANT_POSE + 2], distance, angle)
+        row[_MEANT_POSE], row[_MEANT_POSE + 1], row[_MEANT_POSE + 2] = x, y, heading
+        row[_MEANT], row[_MEANT + 1], row[_MEANT + 2] = 0.0, 0.0, 0.0
+        row[_MEANT_RATES] = distance / (steps * timestep)
+        row[_MEANT_RATES + 1] = angle / (steps * timestep)
+    motion[0], motion[1], motion[2] = row[_MEANT_RATES], 0.0, row[_MEANT_RATES + 1]
+
+
+@compiled
 def _command(state: Floats, k: int, speed: float, turn_rate: float) -> None:
     if not (math.isfinite(speed) and math.isfinite(turn_rate)):
         raise ValueError("a drive command must be finite")
@@ -150,13 +183,15 @@ def _command(state: Floats, k: int, speed: float, turn_rate: float) -> None:
 
 
 @compiled
-def _ramped(state: Floats, addresses: Ints, ramp: float, ctrl: Floats) -> None:
+def _ramped(state: Floats, addresses: Ints, ramp: float, timestep: float, ctrl: Floats) -> None:
     for k in range(len(state)):
+        state[k, _MEANT + 2] += 1.0
         for side in range(2):
             setpoint = state[k, _SETPOINT + side]
             change = state[k, _TARGET + side] - setpoint
             setpoint += min(max(change, -ramp), ramp)
             state[k, _SETPOINT + side] = setpoint
+            state[k, _MEANT + side] += setpoint * timestep
             ctrl[addresses[k, _SERVOS + side]] = setpoint
 
 

@@ -73,6 +73,28 @@ def test_velocity_is_the_mean_since_last_asked(build):
     assert fleet.velocity(0) == (0.0, 0.0)
 
 
+def test_set_points_tell_of_slow_turns_that_the_encoders_lose(build):
+    """30 degrees/s reads as no turn at all in whole degrees a request; the drive commands know of it."""
+    arena = build((0.5, -1.0, 0.7))
+    fleet, motion = arena.fleet, np.empty(3)
+    fleet.command(0, 0.2, math.radians(30.0))
+    for _ in range(20):
+        arena.run(0.1)
+        fleet.meant(0, motion)
+    assert fleet.counted_pose(0)[2] == 0.0
+    # the wheels follow their set-points within about 40 ms, in which they turn by 1.2 degrees and go 8 mm
+    x, y, heading = fleet.meant_pose(0)
+    assert heading == pytest.approx(arena.pose()[2] - 0.7, abs=math.radians(2.0))
+    went = arena.pose()[:2] - (0.5, -1.0)
+    c, s = math.cos(0.7), math.sin(0.7)
+    np.testing.assert_allclose((c * x - s * y, s * x + c * y), went, atol=0.02)
+    # steady: what the nearest drive command means
+    speed, turn_rate = drive.meant(*drive.nearest_command(0.2, math.radians(30.0)))
+    np.testing.assert_allclose(motion, (speed, 0.0, turn_rate), atol=1e-12)
+    fleet.meant(0, motion)  # no step in between: the last answer
+    assert motion[0] == pytest.approx(speed)
+
+
 def test_polling_instants_do_not_depend_on_the_timestep(build):
     """Wheel angles are read between steps: 15 ms requests from 10 ms steps see what those from 3 ms steps see."""
     ends = []
