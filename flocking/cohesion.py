@@ -1,0 +1,53 @@
+"""The pair force that Gregoire's and Camperi's laws share: hard core, spring, constant attraction.
+
+Source: Gregoire, Chate and Tu 2003; Fine 2015, table A.1. Along the line towards a neighbour at distance r:
+minus infinity within the core; (r - equilibrium) / (attraction - equilibrium) / 4 up to the attraction distance;
+1 beyond it. No unit.
+"""
+
+from __future__ import annotations
+
+import math
+
+from flocking.compilation import compiled
+from flocking.terms import unit
+from flocking.types import Bools, Floats
+
+
+@compiled
+def spring(distance: float, equilibrium: float, attraction: float) -> float:
+    """The finite part of the force at `distance` (m), positive towards the neighbour.
+
+    None below an attraction distance that does not lie above the equilibrium.
+    """
+    if distance >= attraction:
+        return 1.0
+    if attraction <= equilibrium:
+        return 0.0
+    return 0.25 * (distance - equilibrium) / (attraction - equilibrium)
+
+
+@compiled
+def pair_forces(
+    positions: Floats, chosen: Bools, core: float, equilibrium: float, attraction: float
+) -> tuple[float, float, float, float]:
+    """Direction away from the neighbours within the core, (0, 0) for none, and the sum of the finite forces.
+
+    Infinite forces of several neighbours weigh alike. A neighbour at distance zero has no direction and exerts nothing.
+    """
+    away_x, away_y, force_x, force_y = 0.0, 0.0, 0.0, 0.0
+    for j in range(len(chosen)):
+        if not chosen[j]:
+            continue
+        x, y = positions[j, 0], positions[j, 1]
+        distance = math.hypot(x, y)
+        towards_x, towards_y = unit(x, y)
+        if distance < core:
+            away_x -= towards_x
+            away_y -= towards_y
+        else:
+            pull = spring(distance, equilibrium, attraction)
+            force_x += pull * towards_x
+            force_y += pull * towards_y
+    away_x, away_y = unit(away_x, away_y)
+    return away_x, away_y, force_x, force_y
