@@ -215,6 +215,11 @@ def sets_of(module: ModuleType) -> dict[str, str]:
     return dict(sets) if isinstance(sets, Mapping) else dict.fromkeys(sets, "all")
 
 
+def needs_of(module: ModuleType) -> frozenset[str]:
+    """What a law's module says that it needs: positions, where it does not say."""
+    return frozenset(getattr(module, "NEEDS", {"positions"}))
+
+
 def load(name: str, source: str = "") -> Law:
     """The law of that name, or the user's own whose path is `name` and whose text is `source`.
 
@@ -268,7 +273,7 @@ def _compile(name: str, module: ModuleType, path: Path, *, boundscheck: bool) ->
     for field in fields.values():
         if field.type is str:
             raise InputError(f"law file {name!r}: parameter {field.name!r} is text; a law's parameters are numbers")
-    needs = frozenset(getattr(module, "NEEDS", {"positions"}))
+    needs = needs_of(module)
     if not needs <= INFORMATION:
         raise InputError(f"law file {name!r}: NEEDS {sorted(needs - INFORMATION)}; expected of {sorted(INFORMATION)}")
     sets = sets_of(module)

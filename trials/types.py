@@ -43,6 +43,22 @@ class Group:
     start_moving: bool = True
     """Whether the command that robots are given at the start, and keep while they see nobody, is to drive straight
     on at cruising speed; else it is to stand still."""
+    role: int = 0
+    """What its robots' laws are told of their role: 0 ordinary; 1 leader, informed or strong."""
+    informed: int = 0
+    """How many of its robots, the first ones, are given the goal; their role is 1."""
+    goal_x_m: float = 0.0
+    goal_y_m: float = 0.0
+    """Where that goal is in the world; one far away is a preferred direction."""
+    own_motion: str = "commands"
+    """How its robots know their own motion: `commands`, `odometry` or `true`."""
+    association: str = "two-scans"
+    """How neighbours' velocities and headings come about where the pipeline gives none: `two-scans` or `none`."""
+    association_parameters: Mapping[str, Value] = field(default_factory=dict)
+    obstacles: str = "as-law"
+    """What is done about obstacles beside what the law does: `as-law` (nothing), `avoid` or `virtual-members`."""
+    obstacle_selection: str = "all"
+    avoidance_parameters: Mapping[str, Value] = field(default_factory=dict)
     kinematics: Mapping[str, Value] = field(default_factory=dict)
     """Of a kinematic trial: what differs from the defaults of `trials.kinematic.fields.GroupFields`. Such a group has
     a count, a pipeline, a selection and a law; the other fields of a robot mean nothing to it."""

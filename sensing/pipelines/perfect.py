@@ -9,6 +9,8 @@ member's centre. Member-based detection gives the mean of the facing surface, 0.
 0.15 m for Creates); member-extrapolated and sensor-based detection give points on the surface itself, up to one
 radius (0.165 m) nearer and up to one radius to either side. A member of which 1/16 shows is an input here, while
 member-based detection wants its whole shape.
+
+The obstacles are the nearest point of each wall in range and in the field of view. Nothing hides them.
 """
 
 from __future__ import annotations
@@ -22,14 +24,17 @@ import numpy as np
 from flocking.angles import wrap
 from flocking.compilation import compiled
 from flocking.parameters import Parameter
-from flocking.types import NO_OBSTACLES, Floats, Ints, Members, Own
+from flocking.types import Floats, Ints, Members, Obstacles, Own
 from sensing.types import Detection, Senses
 
 READS = frozenset({"truth"})
+GIVES = frozenset({"positions", "bearings", "headings", "velocities", "ids", "obstacles"})
 
 SIGHT_LINES = 16
 """Lines of sight evenly across each silhouette; choice: less than 1/16 of a member may go unseen."""
 NO_BEAMS = np.empty(0, np.int64)
+ROUNDING = 1e-9
+"""rad: a point on the border of the field of view is in view."""
 
 
 class Parameters(NamedTuple):
@@ -51,9 +56,10 @@ def start(parameters: Parameters, member_model: mujoco.MjModel, member_height_m:
 
 
 def detect(senses: Senses, own: Own, state: Parameters) -> tuple[Detection, Parameters]:
-    """One row a member in view, in the order of their indices; no obstacles are known."""
+    """One row a member in view, in the order of their indices; one obstacle a wall in view."""
     truth = senses.truth
     assert truth is not None
+    obstacles = _walls(truth.poses_w[truth.focal], truth.walls_w, float(state.field_of_view_rad), float(state.range_m))
     members = _detect(
         truth.poses_w,
         truth.velocities_w,
@@ -64,7 +70,7 @@ def detect(senses: Senses, own: Own, state: Parameters) -> tuple[Detection, Para
         float(state.range_m),
         bool(state.occlusion),
     )
-    return Detection(Members(*members), NO_OBSTACLES, NO_BEAMS), state
+    return Detection(Members(*members), Obstacles(obstacles), NO_BEAMS), state
 
 
 @compiled
@@ -109,6 +115,44 @@ def _detect(
         velocities[row, 0] = cosine * velocities_w[k, 0] + sine * velocities_w[k, 1]
         velocities[row, 1] = cosine * velocities_w[k, 1] - sine * velocities_w[k, 0]
     return found, bearings, headings, velocities, seen[:count].copy()
+
+
+@compiled
+def _walls(pose_w: Floats, walls_w: Floats, field_of_view: float, reach: float) -> Floats:
+    """(K, 2) the nearest visible point of each wall, body frame.
+
+    A wall's nearest point in view is the foot of the perpendicular, an end, or where the field's border crosses it.
+    """
+    cosine, sine = math.cos(pose_w[2]), math.sin(pose_w[2])
+    points, count = np.empty((len(walls_w), 2)), 0
+    shares = np.empty(5)
+    for w in range(len(walls_w)):
+        from_x, from_y = walls_w[w, 0] - pose_w[0], walls_w[w, 1] - pose_w[1]
+        to_x, to_y = walls_w[w, 2] - pose_w[0], walls_w[w, 3] - pose_w[1]
+        x, y = cosine * from_x + sine * from_y, cosine * from_y - sine * from_x
+        along_x = cosine * to_x + sine * to_y - x
+        along_y = cosine * to_y - sine * to_x - y
+        squared = along_x * along_x + along_y * along_y
+        shares[0], shares[1] = 0.0, 1.0
+        shares[2] = -(x * along_x + y * along_y) / squared if squared > 0.0 else 0.0
+        for side in range(2):
+            border = (0.5 - side) * field_of_view
+            across = along_y * math.cos(border) - along_x * math.sin(border)
+            crossing = (x * math.sin(border) - y * math.cos(border)) / across if across != 0.0 else -1.0
+            shares[3 + side] = crossing
+        nearest = math.inf
+        for s in range(5):
+            if not 0.0 <= shares[s] <= 1.0:
+                continue
+            px, py = x + shares[s] * along_x, y + shares[s] * along_y
+            distance = math.hypot(px, py)
+            in_view = abs(math.atan2(py, px)) <= 0.5 * field_of_view + ROUNDING
+            if in_view and distance <= reach and distance < nearest:
+                nearest = distance
+                points[count, 0], points[count, 1] = px, py
+        if nearest < math.inf:
+            count += 1
+    return points[:count].copy()
 
 
 @compiled

@@ -15,6 +15,7 @@ from sensing import labelled
 from sensing.types import Detection, Senses
 
 READS = labelled.READS
+GIVES = frozenset({"positions", "bearings"})
 
 
 class Parameters(NamedTuple):

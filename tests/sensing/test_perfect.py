@@ -117,3 +117,30 @@ def test_occlusion_only_ever_removes_and_the_nearest_is_always_seen(seed):
     assert free == list(range(1, 12))
     assert set(seen) <= set(free)
     assert int(np.argmin(np.hypot(*(poses[1:, :2] - poses[0, :2]).T))) + 1 in seen
+
+
+def test_obstacles_are_the_nearest_points_of_the_walls_in_view():
+    """Against the nearest of many points along each wall; the field of view and the range cut walls anywhere."""
+    rng = np.random.default_rng(32)
+    along = np.linspace(0.0, 1.0, 20_001)
+    seen = 0
+    for _ in range(60):
+        pose = np.array([*rng.uniform(-3, 3, 2), rng.uniform(-3, 3)])
+        walls = rng.uniform(-4, 4, (5, 4))
+        field, reach = rng.uniform(0.5, ALL_ROUND), rng.uniform(1.0, 5.0)
+        found = run([pose], walls=walls, field_of_view_rad=field, range_m=reach).obstacles.points
+        expected = []
+        c, s = math.cos(pose[2]), math.sin(pose[2])
+        for wall in walls:
+            points = wall[:2] + along[:, None] * (wall[2:] - wall[:2]) - pose[:2]
+            points = points @ np.array([[c, -s], [s, c]])
+            distances = np.hypot(*points.T)
+            distances[(np.abs(np.arctan2(points[:, 1], points[:, 0])) > field / 2) | (distances > reach)] = np.inf
+            if np.isfinite(distances.min()):
+                expected.append(points[distances.argmin()])
+        assert len(found) == len(expected)
+        if expected:
+            # neighbouring points are at most 12 m / 20,000 apart; the nearest one errs by no more
+            np.testing.assert_allclose(np.hypot(*found.T), np.hypot(*np.transpose(expected)), atol=6e-4)
+        seen += len(expected)
+    assert 50 < seen < 250, "cases on both sides of the limits"
