@@ -1,0 +1,418 @@
+"""The laws of biology and the local crowded horizon, each against what its own publication says of it."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Sequence
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from flocking import lawentry, measures, selection
+from flocking.kinematic import Band, History, Space, simulate, start_uniform
+from flocking.types import NO_OBSTACLES, Floats, Kind, Members, Motion, Own
+
+EXACT = 1e-12
+"""m, rad; closed forms of a few operations on numbers below 100 leave rounding of some 1e-14."""
+FAR = 1e6
+"""m; a goal so far away is a direction: members move less than 1e-3 of it."""
+
+
+def decide(
+    name: str,
+    positions: Sequence[Sequence[float]] | Floats,
+    *,
+    velocities: Sequence[Sequence[float]] | None = None,
+    headings: Sequence[float] | None = None,
+    goal: Sequence[float] = (math.nan, math.nan),
+    compass: float = 0.0,
+    role: int = 0,
+    dt: float = 0.2,
+    u: float = 0.3,
+    **parameters: float,
+) -> Motion:
+    """One call of the plain law, its own selections made from all members."""
+    law = lawentry.load(name)
+    places = np.array(positions, dtype=np.float64).reshape(-1, 2)
+    count = len(places)
+    members = Members(
+        places,
+        np.arctan2(places[:, 1], places[:, 0]),
+        np.full(count, math.nan) if headings is None else np.array(headings, dtype=np.float64),
+        np.full((count, 2), math.nan) if velocities is None else np.array(velocities, dtype=np.float64),
+        np.arange(count),
+    )
+    given = law.parameters(parameters)
+    steps = selection.parse_sets("all", law.sets, law.parameter_names)
+    masks = np.array([selection.select(selection.resolved(one, given._asdict()), members) for one in steps])
+    own = Own(np.zeros(2), 0.0, compass, np.array(goal, dtype=np.float64), np.zeros(2, dtype=bool), dt, 99, role)
+    return law.function(own, members, masks, NO_OBSTACLES, given, np.zeros(law.memory), np.full(law.draws, u))
+
+
+def moved(motion: Motion) -> Floats:
+    return np.array([motion.x, motion.y])
+
+
+def rule(name: str, motion: Motion) -> str:
+    return lawentry.load(name).rules[motion.rule]
+
+
+def herd(
+    name: str,
+    starts: Floats,
+    steps: int,
+    *,
+    seed: int = 0,
+    dt: float = 1.0,
+    speed: float = 0.0,
+    selection_text: str = "all",
+    goals: Floats | None = None,
+    space: Space | None = None,
+    **parameters: float,
+) -> History:
+    band = Band(lawentry.load(name), len(starts), parameters, selection=selection_text, goals_w=goals)
+    rng = np.random.default_rng([seed, 1])
+    return simulate(band, starts, dt_s=dt, steps=steps, rng=rng, speeds_m_s=speed, space=space)
+
+
+def square(count: int, side: float, seed: int) -> Floats:
+    return start_uniform(count, side, np.random.default_rng([seed, 0]))
+
+
+class TestSelfishHerd:
+    """Hamilton 1971, Viscido et al. 2002: nearest neighbours make many small groups, the crowded horizon one."""
+
+    MEMBERS, SIDE, STEPS = 50, 28.0, 100
+    LINK = 4.0
+    """Body-lengths; members nearer than two repulsion distances are of one group."""
+
+    @pytest.mark.parametrize("name", ["viscido-snn", "hamilton-2d", "viscido-ha"])
+    def test_rules_of_the_nearest_neighbour_make_many_small_groups(self, name: str) -> None:
+        for seed in range(5):
+            end = herd(name, square(self.MEMBERS, self.SIDE, seed), self.STEPS).positions_w[-1]
+            assert measures.number_of_groups(end, self.LINK) >= 3
+            # each is with its group: two repulsion distances, and most far nearer
+            assert np.median(measures.nearest_neighbour_distance(end)) < 2.0
+
+    def test_local_crowded_horizon_makes_one_compact_group(self) -> None:
+        for seed in range(5):
+            starts = square(self.MEMBERS, self.SIDE, seed)
+            end = herd("viscido-lch", starts, self.STEPS).positions_w[-1]
+            assert measures.number_of_groups(end, self.LINK) == 1
+            # steps of one body-length that pass the centre keep the members within one of it
+            assert measures.mmd(end) < 1.0
+
+    def test_snn_steps_one_body_length_and_stops_at_two(self) -> None:
+        assert_allclose(moved(decide("viscido-snn", [[3.0, 4.0], [0.0, -6.0]])), [0.6, 0.8], atol=EXACT)
+        assert decide("viscido-snn", [[0.0, 2.0]]).kind == Kind.STOP
+        assert decide("viscido-snn", [[0.0, 2.0 + 1e-9]]).kind == Kind.WAY_POINT
+
+    def test_hamilton_2d_is_snn_within_its_range(self) -> None:
+        rng = np.random.default_rng(4)
+        for positions in rng.uniform(-9.0, 9.0, (30, 6, 2)):
+            assert decide("hamilton-2d", positions) == pytest.approx(decide("viscido-snn", positions), nan_ok=True)
+        assert decide("hamilton-2d", [[3.0, 0.0]], range_m=2.9).kind == Kind.HOLD
+
+
+class TestHamiltonsRule:
+    def test_step_leads_to_the_point_two_body_lengths_from_the_nearest_towards_its_nearest(self) -> None:
+        motion = decide("viscido-ha", [[4.0, 0.0], [4.0, 9.0], [-8.0, 0.0]])
+        assert rule("viscido-ha", motion) == "hamilton"
+        assert_allclose(moved(motion), np.array([4.0, 2.0]) / math.hypot(4.0, 2.0), atol=EXACT)
+
+    def test_the_tables_point_lies_one_body_length_from_the_second_member(self) -> None:
+        motion = decide("viscido-ha", [[4.0, 0.0], [4.0, 9.0]], from_second=True, offset_m=1.0)
+        assert_allclose(moved(motion), np.array([4.0, 8.0]) / math.hypot(4.0, 8.0), atol=EXACT)
+
+    def test_within_the_repulsion_distance_the_step_is_perpendicular_with_either_sign(self) -> None:
+        positions = [[1.0, 0.5], [4.0, 4.5]]
+        steps = [moved(decide("viscido-ha", positions, u=u)) for u in (0.0, 0.999)]
+        assert_allclose(steps[0], -steps[1], atol=EXACT)
+        assert_allclose([steps[0] @ [3.0, 4.0], np.hypot(*steps[0])], [0.0, 1.0], atol=EXACT)
+
+    def test_differs_from_the_extended_rule_where_two_members_are_close_to_each_other(self) -> None:
+        positions = [[2.0, 0.0], [2.0, 0.3]]
+        original = decide("viscido-ha", positions, repulsion_m=0.66, offset_m=0.66)
+        extended = decide("extended-hamilton", positions)
+        assert rule("viscido-ha", original) == "hamilton"
+        assert rule("extended-hamilton", extended) == "snn"
+
+
+class TestHamiltonsPond:
+    """Hamilton 1971, figure 2: a hundred frogs gather in ever fewer heaps."""
+
+    def test_frogs_gather_in_ever_fewer_heaps(self) -> None:
+        rng = np.random.default_rng(3)
+        starts = np.column_stack([rng.uniform(0.0, 100.0, 100), np.full(100, 7.0), rng.uniform(-3.0, 3.0, 100)])
+        track = herd("hamilton-1d", starts, 30).positions_w
+        heaps = [len(np.unique(np.floor(track[t, :, 0]))) for t in (0, 2, 5, 20)]
+        assert heaps == sorted(heaps, reverse=True)
+        assert heaps[-1] < heaps[0] / 4
+        assert_allclose(track[..., 1], 7.0, atol=1e-9)  # nobody leaves the rim
+
+    @pytest.mark.parametrize("compass", [0.0, 1.0, math.pi])
+    def test_jump_passes_the_neighbour_by_a_third_of_the_narrower_gap(self, compass: float) -> None:
+        on_axis = np.array([-1.0, -4.0, 2.0, 2.9])
+        c, s = math.cos(compass), math.sin(compass)
+        positions = np.outer(on_axis, [c, -s])
+        jump = moved(decide("hamilton-1d", positions, compass=compass))
+        assert_allclose(jump, np.array([c, -s]) * (2.0 + 0.3), atol=EXACT)
+
+    def test_stays_only_in_a_gap_narrower_than_both_beside_it(self) -> None:
+        stays = [[-1.0, 0.0], [1.0, 0.0], [-3.1, 0.0], [3.1, 0.0]]
+        assert decide("hamilton-1d", stays).kind == Kind.STOP
+        goes = [[-1.0, 0.0], [1.0, 0.0], [-3.1, 0.0], [2.9, 0.0]]
+        assert rule("hamilton-1d", decide("hamilton-1d", goes)) == "right"
+
+    def test_a_member_at_the_end_of_the_line_jumps_inwards(self) -> None:
+        assert_allclose(moved(decide("hamilton-1d", [[1.0, 0.0], [4.0, 0.0]])), [2.0, 0.0], atol=EXACT)
+
+
+class TestWeightedHorizon:
+    def test_weight_runs_from_the_mean_position_to_the_mean_bearing(self) -> None:
+        positions = np.array([[1.0, 0.0], [0.0, 8.0], [-3.0, 2.0]])
+        mean = positions.mean(axis=0)
+        bearing = (positions / np.hypot(*positions.T)[:, None]).mean(axis=0)
+        unweighted = moved(decide("viscido-lch", positions, nearness_per_m=0.0))
+        assert_allclose(unweighted, mean / np.hypot(*mean), atol=EXACT)
+        steep = moved(decide("viscido-lch", positions, nearness_per_m=1e9))
+        # weights 1 / (1 + 1e9 d) differ from 1e-9 / d by parts in 1e9
+        assert_allclose(steep, bearing / np.hypot(*bearing), atol=1e-8)
+
+
+LCH = ["lch-group-pose", "lch-member-pose", "lch-group-bearing", "lch-member-bearing"]
+
+
+class TestLocalCrowdedHorizon:
+    """Fine 2015, section 4.3 and table 4.1."""
+
+    @pytest.mark.parametrize("name", LCH)
+    def test_single_group_ends_with_the_published_spread(self, name: str) -> None:
+        ends = [
+            herd(name, square(50, 3.5, seed), 75, selection_text="distance-based(0, 3)").positions_w[-1]
+            for seed in range(10)
+        ]
+        # table 4.1 prints 0.05; ten trials' mean has a standard error of 0.0015
+        assert np.mean([measures.mmd(end) for end in ends]) == pytest.approx(0.05, abs=0.005)
+
+    @pytest.mark.parametrize("name", LCH)
+    def test_two_groups_out_of_range_stay_two(self, name: str) -> None:
+        starts = square(50, 3.5, 1)
+        starts[:25, 0] += 9.9
+        end = herd(name, starts, 75, selection_text="distance-based(0, 3)").positions_w[-1]
+        assert measures.number_of_groups(end, 3.0) == 2
+        assert all(measures.number_of_groups(half, 0.5) == 1 for half in (end[:25], end[25:]))
+
+    def test_group_centric_laws_follow_the_largest_cluster_and_member_centric_ones_the_mean(self) -> None:
+        pair, third = [[2.0, 0.1], [2.0, -0.1]], [[0.0, 3.0]]
+        for name in ("lch-group-pose", "lch-group-bearing"):
+            assert_allclose(moved(decide(name, pair + third)), [0.1, 0.0], atol=EXACT)
+        mean = np.array([4.0, 3.0]) / 5.0
+        assert_allclose(moved(decide("lch-member-pose", pair + third)), 0.1 * mean, atol=EXACT)
+
+    def test_bearing_variations_know_no_distance(self) -> None:
+        positions = np.array([[2.0, 1.0], [1.0, 2.2], [-3.0, 0.4]])
+        farther = positions * np.array([[7.0], [0.2], [1.5]])
+        for name in ("lch-group-bearing", "lch-member-bearing"):
+            assert decide(name, positions) == pytest.approx(decide(name, farther))
+            assert lawentry.load(name).needs == {"bearings"}
+
+    @pytest.mark.parametrize("name", LCH)
+    def test_who_sees_nobody_stays_or_keeps_its_direction(self, name: str) -> None:
+        assert decide(name, []).kind == Kind.STOP
+        assert decide(name, [], keeps_direction=True).kind == Kind.HOLD
+
+
+class TestLeadingAccordingToNeed:
+    """Conradt et al. 2009."""
+
+    def test_repulsion_comes_first(self) -> None:
+        motion = decide("conradt", [[0.0, 0.5], [3.0, 0.0]], velocities=[[1.0, 0.0]] * 2, goal=(0.0, 9.0))
+        assert rule("conradt", motion) == "apart"
+        assert motion.x == pytest.approx(-math.pi / 2.0, abs=EXACT)
+
+    @pytest.mark.parametrize("assertiveness", [0.0, 0.5, 1.0, 3.0])
+    def test_the_needier_a_member_is_the_more_it_turns_to_its_target(self, assertiveness: float) -> None:
+        motion = decide("conradt", [[3.0, 0.0]], velocities=[[2.0, 0.0]], goal=(0.0, 40.0), assertiveness=assertiveness)
+        assert motion.x == pytest.approx(math.atan2(0.5 * assertiveness, 0.5), abs=EXACT)
+
+    def test_alone_it_goes_to_its_target_or_on(self) -> None:
+        assert decide("conradt", [], goal=(-1.0, 1.0)).x == pytest.approx(0.75 * math.pi, abs=EXACT)
+        assert decide("conradt", []).kind == Kind.HOLD
+
+    def test_the_needy_lead_a_group_to_their_target(self) -> None:
+        """Two of ten have a target 60 m away; the needier they are, the nearer the group comes to it."""
+        target = np.array([60.0, 0.0])
+        left = []
+        for need in (0.1, 2.0):
+            ends = []
+            for seed in range(5):
+                goals = np.full((10, 2), math.nan)
+                goals[:2] = target
+                end = herd(
+                    "conradt", square(10, 5.0, seed), 400, dt=0.2, speed=1.0, seed=seed, goals=goals, assertiveness=need
+                ).positions_w[-1]
+                ends.append(np.hypot(*(end.mean(axis=0) - target)))
+            left.append(np.mean(ends))
+        assert left[1] < left[0] - 10.0
+
+
+FRONT, LEFT_FRONT, RIGHT_FRONT = [1.0, 0.0], [0.7, 0.9], [0.7, -0.9]
+LEFT_BACK, RIGHT_BACK = [-0.7, 0.9], [-0.7, -0.9]
+SECTORS = {"F": FRONT, "LF": LEFT_FRONT, "RF": RIGHT_FRONT, "LB": LEFT_BACK, "RB": RIGHT_BACK}
+MIRRORED = {"F": "F", "LF": "RF", "RF": "LF", "LB": "RB", "RB": "LB"}
+RIGHT_ANGLE = math.pi / 2.0
+
+
+class TestDynamicsOfHerds:
+    """Gueron et al. 1996."""
+
+    def stress(self, *sectors: str) -> Motion:
+        return decide("gueron", [SECTORS[name] for name in sectors])
+
+    @pytest.mark.parametrize(
+        ("sectors", "turn", "speed"),
+        [
+            (("F",), 0.0, 0.5),
+            (("LB", "RB"), 0.0, 2.0),
+            (("LF",), -RIGHT_ANGLE, 1.0),
+            (("LB",), -RIGHT_ANGLE, 1.0),
+            (("RF",), RIGHT_ANGLE, 1.0),
+            (("RB",), RIGHT_ANGLE, 1.0),
+        ],
+    )
+    def test_cases_of_the_table(self, sectors: tuple[str, ...], turn: float, speed: float) -> None:
+        motion = self.stress(*sectors)
+        assert motion.kind == Kind.HEADING
+        assert_allclose(moved(motion), [turn, speed], atol=EXACT)
+
+    def test_two_in_front_stop_it(self) -> None:
+        assert self.stress("LF", "RF").kind == Kind.STOP
+
+    def test_every_combination_of_sectors_is_defined_and_mirrors(self) -> None:
+        for size in range(1, 6):
+            for sectors in itertools.combinations(SECTORS, size):
+                motion, mirrored = self.stress(*sectors), self.stress(*(MIRRORED[name] for name in sectors))
+                assert mirrored.kind == motion.kind
+                if motion.kind == Kind.HEADING:
+                    assert_allclose(moved(mirrored), moved(motion) * [-1.0, 1.0], atol=EXACT)
+                assert (motion.kind == Kind.STOP) == ({"LF", "RF"} <= set(sectors))
+
+    def test_a_sidestep_is_taken_across_the_course_of_a_member_on_the_move(self) -> None:
+        turned = [[-LEFT_FRONT[1], LEFT_FRONT[0]]]
+        motion = decide("gueron", turned, goal=(0.0, FAR))
+        assert_allclose(motion.x, 0.0, atol=EXACT)
+
+    @pytest.mark.parametrize(
+        ("place", "name"),
+        [([4.0, 1.0], "neutral"), ([9.0, 2.0], "attraction"), ([-4.0, 1.0], "lead"), ([40.0, 0.0], "alone")],
+    )
+    def test_zones_follow_one_another(self, place: list[float], name: str) -> None:
+        assert rule("gueron", decide("gueron", [place])) == name
+        if name != "alone":
+            assert rule("gueron", decide("gueron", [place, FRONT])) == "slow behind"
+
+    def test_strong_members_move_faster_by_the_same_law(self) -> None:
+        weak, strong = (decide("gueron", [FRONT], role=role) for role in (0, 1))
+        assert strong.y / weak.y == pytest.approx(1.2)
+        assert strong.x == weak.x
+
+    def test_one_far_behind_closes_up_to_the_herd_that_waits(self) -> None:
+        starts = np.array([[0.0, 0.0, 0.0], [14.0, 1.0, 0.0]])
+        goals = np.full((2, 2), [FAR, 0.0])
+        track = herd("gueron", starts, 100, dt=0.1, speed=1.0, goals=goals).positions_w
+        gap = np.hypot(*(track[:, 1] - track[:, 0]).T)
+        # at twice against half the own speed: to the neutral zone of 5 m, within a step of 0.2 m
+        assert gap[-1] == pytest.approx(5.0, abs=0.2)
+        assert (track[-1, :, 0] > starts[:, 0]).all()
+
+
+class TestEffectiveLeadership:
+    """Couzin et al. 2005."""
+
+    def test_repulsion_has_the_highest_priority(self) -> None:
+        motion = decide(
+            "couzin",
+            [[0.5, 0.5], [4.0, 0.0]],
+            velocities=[[1.0, 0.0]] * 2,
+            goal=(FAR, 0.0),
+            u=0.5,
+            turn_limit_rad_s=100.0,
+        )
+        assert rule("couzin", motion) == "apart"
+        assert motion.x == pytest.approx(-0.75 * math.pi, abs=EXACT)
+
+    def test_attraction_alignment_and_the_own_direction_count_alike(self) -> None:
+        motion = decide("couzin", [[0.0, 3.0]], velocities=[[0.0, -2.0]], u=0.5, turn_limit_rad_s=100.0)
+        assert motion.x == pytest.approx(0.0, abs=EXACT)
+        both = decide("couzin", [[0.0, 3.0]], velocities=[[0.0, 2.0]], u=0.5, turn_limit_rad_s=100.0)
+        assert both.x == pytest.approx(math.atan2(2.0, 1.0), abs=EXACT)
+
+    @pytest.mark.parametrize("omega", [0.0, 0.5, 2.0])
+    def test_the_informed_balance_their_direction_with_omega(self, omega: float) -> None:
+        motion = decide("couzin", [], goal=(0.0, FAR), omega=omega, u=0.5, turn_limit_rad_s=100.0)
+        assert motion.x == pytest.approx(math.atan2(omega, 1.0), abs=EXACT)
+
+    def test_turning_is_limited_and_noise_is_normal(self) -> None:
+        assert decide("couzin", [[-3.0, 0.1]], velocities=[[-1.0, 0.0]]).x == pytest.approx(0.4, abs=EXACT)
+        turns = [decide("couzin", [], u=u).x for u in (np.arange(400) + 0.5) / 400]
+        # quantile midpoints leave the tails out: 1 % of the standard deviation at 400 of them
+        assert np.std(turns) == pytest.approx(0.01, rel=0.01)
+
+    def test_accuracy_rises_with_the_share_of_informed_members(self) -> None:
+        """Figure 1a: accuracy is one minus the mean deviation from the preferred direction, over half a turn."""
+        accuracy = []
+        for informed in (0, 3, 15):
+            off = []
+            for seed in range(12):
+                goals = np.full((30, 2), math.nan)
+                goals[:informed] = [FAR, 0.0]
+                starts = square(30, 1.5 * math.sqrt(30.0), seed)
+                track = herd("couzin", starts, 300, dt=0.2, seed=seed, speed=3.0, goals=goals).positions_w
+                travelled = track[-1].mean(axis=0) - track[-51].mean(axis=0)
+                off.append(abs(math.atan2(travelled[1], travelled[0])))
+            accuracy.append(1.0 - np.mean(off) / math.pi)
+        # uninformed groups: 0.5, with a standard error of 0.29 / sqrt(12) = 0.08; within three of it
+        assert accuracy[0] == pytest.approx(0.5, abs=0.25)
+        assert accuracy[1] > accuracy[0] + 0.1
+        assert accuracy[2] > accuracy[1] + 0.05
+        assert accuracy[2] > 0.85
+
+
+class TestFishSchools:
+    """Lopez et al. 2012."""
+
+    @pytest.mark.parametrize(("gap", "sign"), [(0.4, -1.0), (1.0, 0.0), (1.7, 1.0)])
+    def test_neighbours_repel_within_the_balance_distance_and_attract_beyond(self, gap: float, sign: float) -> None:
+        motion = decide("lopez", [[0.0, gap]], headings=[0.0], noise=0.0)
+        assert np.sign(round(motion.x, 9)) == sign
+
+    def test_without_noise_a_school_comes_to_one_heading_and_stays_together(self) -> None:
+        track = herd("lopez", square(30, 4.0, 2), 200, dt=0.1, speed=1.0, noise=0.0)
+        polarization = measures.polarization(track.headings_w)
+        assert polarization[0] < 0.5
+        assert polarization[-1] > 0.99
+        assert measures.number_of_groups(track.positions_w[-1], 5.0) == 1
+
+    def test_noise_stronger_than_alignment_destroys_the_order(self) -> None:
+        track = herd("lopez", square(30, 4.0, 2), 200, dt=0.1, speed=1.0, noise=20.0)
+        # headings then are independent: polarization is 1 / sqrt(30) = 0.18 on average; three times that
+        assert np.mean(measures.polarization(track.headings_w[50:])) < 0.55
+
+
+class TestRandomMotion:
+    def test_the_mean_squared_displacement_grows_by_the_squared_step(self) -> None:
+        count, steps = 2000, 50
+        track = herd("random-motion", square(count, 1.0, 5), steps, speed_m_s=0.7).positions_w
+        squared = ((track[-1] - track[0]) ** 2).sum(axis=1)
+        # squared displacement is nearly exponential: its standard error is its mean / sqrt(count); four of them
+        assert squared.mean() == pytest.approx(steps * 0.7**2, rel=4.0 / math.sqrt(count))
+
+    def test_a_direction_is_held_for_the_holding_time(self) -> None:
+        track = herd("random-motion", square(20, 1.0, 6), 12, dt=0.5, hold_s=1.5)
+        changes = np.abs(np.diff(np.unwrap(track.headings_w[1:], axis=0), axis=0)).max(axis=1)
+        # three updates of 0.5 s each: the 1st, 4th, 7th and 10th choose
+        chosen = np.flatnonzero(changes > 1e-9) + 2
+        assert chosen.tolist() == [4, 7, 10]
