@@ -18,6 +18,14 @@ def unit(x: float, y: float) -> tuple[float, float]:
 
 
 @compiled
+def direction(x: float, y: float) -> float:
+    """Angle (rad) of the vector (x, y); 0 for one that has no length, whatever the signs of its zeros."""
+    if x == 0.0 and y == 0.0:
+        return 0.0
+    return math.atan2(y, x)
+
+
+@compiled
 def count(chosen: Bools) -> int:
     """How many members are chosen."""
     found = 0

@@ -17,7 +17,7 @@ from flocking.laws.vicsek import law as law
 from flocking.parameters import Parameter
 from flocking.taxonomy import Herd, Taxonomy, Validation
 
-NEEDS = frozenset({"positions", "headings"})
+NEEDS = frozenset({"headings"})
 RULES = ("align",)
 SETS = {"neighbours": "distance-based(0, range_m)"}
 DRAWS = 1

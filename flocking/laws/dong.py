@@ -9,7 +9,8 @@ one.
 A member of role 1 is the free-will leader of the publication's title: it keeps its velocity whatever the others do.
 Without such a member the law is the table's.
 
-Needs positions (to select) and velocities. No neighbours: the sum is empty, the velocity is kept.
+Needs positions (to select) and velocities. No neighbours: the sum is empty, the velocity is kept. A herd at rest stays
+at rest: velocities must come from the start or from a leader.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from flocking.taxonomy import Filled, Herd, Taxonomy, Validation
 from flocking.terms import mean_vector
 from flocking.types import Bools, Floats, Kind, Members, Motion, Obstacles, Own
 
-NEEDS = frozenset({"positions", "velocities"})
+NEEDS = frozenset({"velocities"})
 RULES = ("keep", "consensus")
 SETS = {"neighbours": "distance-based(0, range_m)"}
 LEADER = 1

@@ -7,7 +7,7 @@ repulsion * exp(-distance / repulsion length) - attraction * exp(-distance / att
 kilograms.
 
 The sum for f takes in the member itself, with weight one: so a member alone keeps its direction and reaches the speed
-thrust / drag, like a group that moves as one. Nobody in the sum moves: no thrust.
+thrust / drag, like a group that moves as one. At rest the body's axis stands in for its velocity's direction.
 
 Needs positions and velocities, its own and the neighbours'. No neighbours: thrust and drag alone. A neighbour at
 distance zero has no direction and neither attracts nor repels. There is no noise.
@@ -46,6 +46,7 @@ FILLED = (
         "whether the member itself belongs to the sum of directions",
         "it does: without it a member alone would stop",
     ),
+    Filled("motion computation", "the direction of a member at rest", "its body's axis"),
     Filled(
         "motion computation",
         "table A.1 has the acceleration as a velocity with a tilde",
@@ -95,6 +96,8 @@ def law(
     """Acceleration: all forces over the mass."""
     vx, vy = own.velocity[0], own.velocity[1]
     along_x, along_y = unit(vx, vy)
+    if along_x == 0.0 and along_y == 0.0:
+        along_x = 1.0
     force_x, force_y = -parameters.drag_kg_s * vx, -parameters.drag_kg_s * vy
     for j in range(len(members.ids)):
         if not sets[0, j]:

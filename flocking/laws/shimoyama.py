@@ -25,7 +25,7 @@ from typing import Annotated, NamedTuple
 from flocking.angles import wrap
 from flocking.parameters import Parameter
 from flocking.taxonomy import Filled, Herd, Taxonomy, Validation
-from flocking.terms import mean_vector, unit
+from flocking.terms import direction, mean_vector, unit
 from flocking.types import Bools, Floats, Kind, Members, Motion, Obstacles, Own
 
 NEEDS = frozenset({"positions"})
@@ -58,8 +58,8 @@ HERD = Herd(spacing_m=1.5, speed_m_s=1.0, dt_s=0.01, space="unbounded")
 CREATE = {
     "range_m": 5.6,
     "thrust_n": 0.25,
-    "interaction_n": 0.25,
-    "gravity_n": 0.1,
+    "interaction_n": 1.0,
+    "gravity_n": 0.5,
 }
 
 
@@ -76,7 +76,7 @@ class Parameters(NamedTuple):
     anisotropy: Annotated[
         float, Parameter("", "our choice; from 0 to 1 as in Fine 2015, table A.1", low=0.0, high=1.0)
     ] = 0.5
-    gravity_n: Annotated[float, Parameter("N", "our choice", low=0.0)] = 1.0
+    gravity_n: Annotated[float, Parameter("N", "our choice: enough to keep 50 members in one cluster", low=0.0)] = 5.0
 
 
 def law(
@@ -90,7 +90,7 @@ def law(
 ) -> Motion:
     """Acceleration: all forces over the mass; the heading goes on in memory."""
     vx, vy = own.velocity[0], own.velocity[1]
-    course = math.atan2(vy, vx)
+    course = direction(vx, vy)
     heading = course + memory[0]
     nx, ny = math.cos(heading), math.sin(heading)
     force_x = parameters.thrust_n * nx - parameters.drag_kg_s * vx
@@ -115,5 +115,5 @@ def law(
     if vx != 0.0 or vy != 0.0:
         decay = math.exp(-own.dt / parameters.relaxation_s)
         heading = course + 2.0 * math.atan(math.tan(0.5 * wrap(memory[0])) * decay)
-    memory[0] = wrap(heading - math.atan2(vy + accelerate_y * own.dt, vx + accelerate_x * own.dt))
+    memory[0] = wrap(heading - direction(vx + accelerate_x * own.dt, vy + accelerate_y * own.dt))
     return Motion(Kind.ACCELERATION, accelerate_x, accelerate_y, 0)

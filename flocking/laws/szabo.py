@@ -23,10 +23,10 @@ from typing import Annotated, NamedTuple
 from flocking.angles import wrap
 from flocking.parameters import Parameter
 from flocking.taxonomy import Filled, Herd, Taxonomy, Validation
-from flocking.terms import mean_vector, rotated
+from flocking.terms import direction, mean_vector, rotated
 from flocking.types import Bools, Floats, Kind, Members, Motion, Obstacles, Own
 
-NEEDS = frozenset({"positions", "velocities"})
+NEEDS = frozenset({"velocities"})
 RULES = ("align",)
 SETS = {"neighbours": "distance-based(0, range_m)"}
 MEMORY = 3
@@ -77,7 +77,7 @@ def law(
     u: Floats,
 ) -> Motion:
     """Heading: of mean velocity and mean acceleration, turned by uniform noise."""
-    course = math.atan2(own.velocity[1], own.velocity[0])
+    course = direction(own.velocity[0], own.velocity[1])
     found, x, y = mean_vector(members.velocities, sets[0])
     x = (found * x + own.velocity[0]) / (found + 1)
     y = (found * y + own.velocity[1]) / (found + 1)
@@ -88,10 +88,10 @@ def law(
     share = parameters.velocity_share
     sum_x = share * x + (1.0 - share) * change_x
     sum_y = share * y + (1.0 - share) * change_y
-    direction = course
+    wanted = course
     if sum_x != 0.0 or sum_y != 0.0:
-        direction = math.atan2(sum_y, sum_x)
-    turn = wrap(direction + parameters.noise * 2.0 * math.pi * (u[0] - 0.5))
+        wanted = math.atan2(sum_y, sum_x)
+    turn = wrap(wanted + parameters.noise * 2.0 * math.pi * (u[0] - 0.5))
     memory[MEAN_X], memory[MEAN_Y] = rotated(x, y, -turn)
     memory[CALLED] = 1.0
     return Motion(Kind.HEADING, turn, parameters.speed_m_s, 0)

@@ -18,7 +18,7 @@ from flocking.taxonomy import Filled, Herd, Taxonomy, Validation
 from flocking.terms import heading_with_itself, normal
 from flocking.types import Bools, Floats, Kind, Members, Motion, Obstacles, Own
 
-NEEDS = frozenset({"positions", "headings"})
+NEEDS = frozenset({"headings"})
 RULES = ("align",)
 SETS = {"neighbours": "distance-based(0, range_m)"}
 DRAWS = 1
@@ -43,8 +43,13 @@ FILLED = (
         "a speed, by default such that a step of a second has length one",
         misprint=True,
     ),
+    Filled(
+        "physical motion",
+        "table 3.4 has a bounded space; what its walls do to a member is not said",
+        "the herd lives in periodic space: with walls that only stop them, members end up along these",
+    ),
 )
-HERD = Herd(spacing_m=0.5, speed_m_s=1.0, dt_s=1.0, space="bounded")
+HERD = Herd(spacing_m=0.5, speed_m_s=1.0, dt_s=1.0, space="periodic")
 CREATE = {"range_m": 2.0, "speed_m_s": 0.25, "noise_rad": 0.05}
 
 

@@ -20,7 +20,7 @@ from flocking.taxonomy import Filled, Herd, Taxonomy, Validation
 from flocking.terms import heading_with_itself
 from flocking.types import Bools, Floats, Kind, Members, Motion, Obstacles, Own
 
-NEEDS = frozenset({"positions", "headings"})
+NEEDS = frozenset({"headings"})
 RULES = ("align",)
 SETS = {"neighbours": "distance-based(0, range_m)"}
 DRAWS = 1
