@@ -16,8 +16,8 @@ at rest add nothing.
 
 Readings: repulsion has the highest priority, so that the preferred direction waits while somebody is too near; noise
 comes before the limit of turning. The document gives no speed: with 3 units a second larger groups need a smaller
-share of informed members, as published; with 1 the repulsion of a crowd turns groups of 100 into swarms. Table 3.2 gives
-the model no orientation: velocities hold it.
+share of informed members, as published; with 1 the repulsion of a crowd turns groups of 100 into swarms. Table 3.2
+gives the model no orientation: velocities hold it.
 """
 
 from __future__ import annotations

@@ -53,8 +53,7 @@ RULES = (
     "slow behind",
     "stop",
     "pressed",
-    "sidestep right",
-    "sidestep left",
+    "sidestep",
     "boxed in",
     "neutral",
     "attraction",
@@ -98,7 +97,7 @@ CREATE = {
     "factor": 1.5,
 }
 
-ALONE, SLOW, BLOCKED, PRESSED, TO_RIGHT, TO_LEFT, BOXED, NEUTRAL, ATTRACTION, LEAD = range(10)
+ALONE, SLOW, BLOCKED, PRESSED, SIDESTEP, BOXED, NEUTRAL, ATTRACTION, LEAD = range(9)
 STRAIGHT_RAD = 1e-9
 """A member this near to the course, ahead or behind, is on neither side: rounding of angles is smaller."""
 SIDE = math.pi / 2.0
@@ -173,7 +172,7 @@ def law(
     if left_front and right_front:
         return Motion(Kind.STOP, math.nan, math.nan, BLOCKED)
     if left != right:
-        rule = TO_RIGHT if left else TO_LEFT
+        rule = SIDESTEP
         turn = -SIDE if left else SIDE
     elif front:
         rule = SLOW

@@ -27,7 +27,7 @@ from flocking.taxonomy import Filled, Herd, Taxonomy, Validation
 from flocking.types import Bools, Floats, Kind, Members, Motion, Obstacles, Own
 
 NEEDS = frozenset({"positions", "compass"})
-RULES = ("stay", "left", "right")
+RULES = ("stay", "jump")
 SETS = {"neighbours": "all"}
 DRAWS = 1
 AXIS = True
@@ -46,7 +46,7 @@ FILLED = (
 HERD = Herd(spacing_m=1.0, speed_m_s=100.0, dt_s=1.0)
 CREATE: dict[str, float] = {}
 
-STAY, LEFT, RIGHT = range(3)
+STAY, JUMP = range(2)
 SAME_PLACE_M = 1e-9
 """Members that jump to one place land there but for rounding."""
 
@@ -94,6 +94,6 @@ def law(
     to_left = u[0] < 0.5 if left_gap == right_gap else left_gap < right_gap
     if to_left:
         jump = left - parameters.passing * left_gap
-        return Motion(Kind.WAY_POINT, jump * axis_x, jump * axis_y, LEFT)
+        return Motion(Kind.WAY_POINT, jump * axis_x, jump * axis_y, JUMP)
     jump = right + parameters.passing * right_gap
-    return Motion(Kind.WAY_POINT, jump * axis_x, jump * axis_y, RIGHT)
+    return Motion(Kind.WAY_POINT, jump * axis_x, jump * axis_y, JUMP)
