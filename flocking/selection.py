@@ -21,7 +21,7 @@ from scipy.spatial import Delaunay, QhullError
 from flocking import perception
 from flocking.errors import InputError, unknown_name
 from flocking.perception import ARGUMENTS, Step
-from flocking.types import Bools, Floats, Ints, Members
+from flocking.types import Bools, Floats, Ints, Members, only
 
 
 class Chosen(NamedTuple):
@@ -224,7 +224,7 @@ def select(steps: Sequence[Chosen], members: Members, linked: Bools | None = Non
                 raise InputError("selection 'fixed-set' without ids: this group has no graph; expected fixed-set(0, 3)")
             chosen = linked[kept]
         else:
-            chosen = _BY_STEP[step].function(_rows(members, kept), *given)
+            chosen = _BY_STEP[step].function(only(members, kept), *given)
         mask = np.zeros_like(mask)
         mask[kept[chosen]] = True
     return mask
@@ -311,8 +311,3 @@ def _number(text: str) -> float:
         return float(text)
     except ValueError:
         return math.nan
-
-
-def _rows(members: Members, kept: Ints) -> Members:
-    positions, bearings, headings, velocities, ids = members
-    return Members(positions[kept], bearings[kept], headings[kept], velocities[kept], ids[kept])

@@ -43,9 +43,9 @@ class Own(NamedTuple):
     """What a member knows of itself."""
 
     velocity: Floats
-    """(2,) over ground, m/s, from its own odometry."""
+    """(2,) over ground, m/s, as far as it knows it."""
     turn_rate: float
-    """rad/s, from its own odometry."""
+    """rad/s, likewise."""
     compass: float
     """Heading in the world, rad; nan where the law is given none."""
     goal: Floats
@@ -105,6 +105,12 @@ def members_at(positions: Floats) -> Members:
     """Anonymous members of which only the positions (M, 2) are known."""
     positions = np.ascontiguousarray(positions, dtype=np.float64).reshape(-1, 2)
     return Members(positions, np.arctan2(positions[:, 1], positions[:, 0]), *unknown(len(positions)))
+
+
+def only(members: Members, rows: Ints) -> Members:
+    """The members in these rows, in this order."""
+    positions, bearings, headings, velocities, ids = members
+    return Members(positions[rows], bearings[rows], headings[rows], velocities[rows], ids[rows])
 
 
 NO_MEMBERS = members_at(np.empty((0, 2)))

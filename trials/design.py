@@ -120,7 +120,7 @@ def plan(
                 trial = dataclasses.replace(module.base(repeat), index=len(trials) + 1, seed=seed, repeat=repeat)
                 trial = _put(trial, {**settings, **arm, **cell})
                 trials.append(dataclasses.replace(trial, experiment=name, conditions={**arm, **cell}))
-    trials = [_spelled(trial) for trial in trials]
+    trials = [simulations.settled(_spelled(trial)) for trial in trials]
     return Plan(
         experiment=name.replace("_", "-"),
         title=title(name),
@@ -136,9 +136,20 @@ def plan(
 def _parameters(module: ModuleType, trial: Trial, varied: set[str]) -> list[Row]:
     """Every parameter of a trial; those that the user set say so."""
     sources = getattr(module, "SOURCES", {})
-    usual = {row.key: row.value for row in simulations.rows(module.base(trial.repeat))}
+    usual = _usual(module.base(trial.repeat), trial)
     rows = simulations.rows(trial, sources)
     return [row if row.key in varied else marked(row, usual.get(row.key, row.value)) for row in rows]
+
+
+def _usual(base: Trial, trial: Trial) -> dict[str, Any]:
+    """The experiment's own value of each key; of another law's parameters those that it has by itself."""
+    usual = {row.key: row.value for row in simulations.rows(base)}
+    groups = [
+        own if own.law == other.law else dataclasses.replace(other, law_parameters={})
+        for own, other in zip(base.groups, trial.groups, strict=True)
+    ]
+    others = simulations.rows(dataclasses.replace(base, groups=tuple(groups)))
+    return usual | {row.key: row.value for row in others if ".law." in row.key}
 
 
 def cell_of(trial: Trial) -> str:

@@ -9,14 +9,18 @@ from functools import cache
 import mujoco
 import numpy as np
 
-from flocking import found, lawentry, selection
+from flocking import found, lawentry
 from flocking.errors import InputError
 from flocking.parameters import filled
 from flocking.types import Floats
 from robots import create
-from sensing import laser
+from sensing import association, laser
+from sensing.association import Association
 from sensing.types import PipelineState, WorldTruth
+from trials import information
+from trials.knowledge import Knowledge
 from trials.log import SAMPLE_S
+from trials.obstacle_stage import ObstacleStage
 from trials.robot import Robot
 from trials.streams import Purpose, stream
 from trials.types import Group, Trial
@@ -85,7 +89,7 @@ def assemble(trial: Trial, record: bool) -> Herd:
         if lasers.needs_history:
             world.observers.append(lasers.remember)
     robots = [
-        _robot(trial, world, lasers, group, g, k, index, record, reads[index])
+        _robot(trial, world, lasers, group, g, k, index, reads[index], poses_w[index])
         for index, (group, (g, k)) in enumerate(zip(groups, numbers, strict=True))
     ]
     return Herd(
@@ -129,8 +133,8 @@ def _robot(
     group_number: int,
     member: int,
     index: int,
-    record: bool,
     reads: frozenset[str],
+    start_w: Floats,
 ) -> Robot:
     def draw(purpose: Purpose) -> np.random.Generator:
         return stream(trial.seed, trial.repeat, group_number + 1, member, purpose)
@@ -139,9 +143,8 @@ def _robot(
     phase = int(draw(Purpose.PHASE).random() * period) if group.phase == "random" else 0
     pipeline = found.load(PIPELINE, group.pipeline, "pipeline")
     law = lawentry.load(group.law, group.law_source)
-    _check_information(law, group, reads)
-    parameters = law.parameters(group.law_parameters)
-    sets = selection.parse_sets(group.selection, law.sets, law.parameter_names)
+    wanted = information.wanted(group)
+    informed = member < group.informed
     first = (group.speed_m_s, 0.0) if group.start_moving else (0.0, 0.0)
     world.fleet.command(index, *first)
     return Robot(
@@ -153,15 +156,26 @@ def _robot(
         next_tick=phase,
         pipeline=pipeline,
         pipeline_state=_pipeline_state(group),
-        selections=[selection.resolved(steps, parameters._asdict()) for steps in sets],
+        selections=information.selections(group),
         law=law,
-        law_parameters=np.array(parameters, dtype=np.float64),
+        law_parameters=np.array(information.parameters_of(group), dtype=np.float64),
         law_rng=draw(Purpose.LAW),
         range_rng=draw(Purpose.RANGE_NOISE),
         intensity_rng=draw(Purpose.INTENSITY_NOISE),
         reads=reads,
         fleet=world.fleet,
         lasers=lasers,
+        knowledge=Knowledge(
+            world.fleet,
+            index,
+            group.own_motion,
+            start_w,
+            np.array([group.goal_x_m, group.goal_y_m]) if informed else None,
+            wanted.own_pose,
+        ),
+        association=_association(group, wanted),
+        obstacle_stage=ObstacleStage(group, wanted.needs),
+        role=1 if informed else group.role,
         memory=np.zeros(law.memory),
         dt=1.0 / group.rate_hz,
         command=first,
@@ -180,19 +194,12 @@ def member_model(body: str) -> mujoco.MjModel:
     return found.load(BODY, body, "body").spec().compile()
 
 
-INFERRED_FROM_TRUTH = frozenset({"positions", "bearings", "headings", "velocities", "ids"})
-GIVEN_BY_LASER = frozenset({"positions", "bearings"})
-
-
-def _check_information(law: lawentry.Law, group: Group, reads: frozenset[str]) -> None:
-    """Refuses a law that needs what the pipeline cannot give."""
-    given = INFERRED_FROM_TRUTH if "truth" in reads else GIVEN_BY_LASER
-    missing = law.needs - given
-    if missing:
-        raise InputError(
-            f"law {group.law!r} needs {' and '.join(sorted(missing))} of its neighbours, which pipeline "
-            f"{group.pipeline!r} does not give; expected a pipeline that does, such as perfect"
-        )
+def _association(group: Group, wanted: information.Wanted) -> Association | None:
+    """Where the law needs what the pipeline does not give: an empty memory."""
+    if not wanted.associate:
+        return None
+    parameters = filled(association.Parameters, group.association_parameters, prefix=f"{group.name}.association.")
+    return Association(parameters, wanted.needs)
 
 
 def check(trial: Trial) -> None:
@@ -207,6 +214,8 @@ def check(trial: Trial) -> None:
         found.load(PIPELINE, group.pipeline, "pipeline")
         found.load(BODY, group.body, "body")
         laser_parameters(group)
+        information.check(group)
+        ObstacleStage(group, frozenset())
     module = found.load(WORLD, trial.world, "world")
     free_length = module.free_length(filled(module.Parameters, trial.world_parameters, prefix="world."))
     count = sum(group.count for group in trial.groups)

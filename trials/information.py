@@ -12,8 +12,10 @@ from flocking import found, lawentry, selection
 from flocking.errors import InputError
 from flocking.parameters import declared, filled
 from flocking.perception import Step
+from trials.obstacle_stage import AS_LAW
 from trials.types import Group
 
+TWO_SCANS, NO_ASSOCIATION = ASSOCIATIONS = ("two-scans", "none")
 PIPELINES = "sensing.pipelines"
 INFERRED = frozenset({"velocities", "headings"})
 """What association makes of positions."""
@@ -21,14 +23,20 @@ OF_ITSELF = frozenset({"compass", "goal", "contacts"})
 
 
 class Wanted(NamedTuple):
-    """What a group's law needs, and what its robots must do to have it."""
+    """What a group's law and its selections need, and what its robots must do to have it."""
 
     needs: frozenset[str]
-    """Of the members, the law's and its selections'."""
-    associate: bool
-    """Whether velocities or headings are to be inferred."""
+    missing: frozenset[str]
+    """What the pipeline does not give."""
+    inferable: frozenset[str]
+    """What association gives of that."""
     own_pose: bool
     """Whether a robot must follow its own pose."""
+
+    @property
+    def associate(self) -> bool:
+        """Whether velocities or headings are to be inferred."""
+        return bool(self.inferable)
 
 
 def given(pipeline: ModuleType) -> frozenset[str]:
@@ -57,40 +65,39 @@ def selections(group: Group) -> list[list[selection.Chosen]]:
 
 
 def wanted(group: Group) -> Wanted:
-    """Raises `InputError`, in one line that says what is missing and what gives it."""
-    module = lawentry.module_of(group.law, group.law_source)
-    sets = selections(group)
-    for name, steps in zip(lawentry.sets_of(module), sets, strict=True):
-        if any(chosen.step is Step.GRAPH for chosen in steps):
-            ids = ", ".join(map(str, range(min(group.count, 3))))
-            raise InputError(
-                f"law {group.law!r} selects {name} by fixed-set without ids, and robots have no graph; expected ids, as "
-                f"in --set '{group.name}.selection=\"{name}: fixed-set({ids})\"'"
-            )
-    needs = lawentry.needs_of(module) | selection.needs(step for steps in sets for step in steps)
-    if group.obstacles != "as-law":
+    """Whether it can be had is for `check` to say. Raises `InputError` for names that do not exist."""
+    law = lawentry.module_of(group.law, group.law_source)
+    needs = lawentry.needs_of(law) | selection.needs(step for steps in selections(group) for step in steps)
+    if group.obstacles != AS_LAW:
         needs |= {"obstacles"}
     has = given(found.load(PIPELINES, group.pipeline, "pipeline"))
     missing = needs - has - OF_ITSELF
-    inferable = missing & INFERRED if "positions" in has else frozenset()
-    if group.association == "none" or missing - inferable:
-        _refuse(group, missing, inferable)
-    tells = bool(needs & {"compass", "goal"})
-    return Wanted(needs & lawentry.OF_MEMBERS, bool(inferable), tells or bool(inferable))
+    inferable = missing & INFERRED if group.association == TWO_SCANS and "positions" in has else frozenset()
+    return Wanted(needs, missing, inferable, bool(needs & {"compass", "goal"}) or bool(inferable))
 
 
-def _refuse(group: Group, missing: frozenset[str], inferable: frozenset[str]) -> None:
-    """Raises unless nothing is missing."""
-    if not missing:
+def check(group: Group) -> None:
+    """Raises `InputError`, in one line that says what is missing and what gives it."""
+    sets = lawentry.sets_of(lawentry.module_of(group.law, group.law_source))
+    for name, steps in zip(sets, selections(group), strict=True):
+        if any(chosen.step is Step.GRAPH for chosen in steps):
+            ids = ", ".join(map(str, range(group.count)))
+            raise InputError(
+                f"law {group.law!r} selects its set {name!r} by fixed-set without ids, and robots have no graph; "
+                f"expected ids: --set '{group.name}.selection=\"{name}: fixed-set({ids})\"'"
+            )
+    _, missing, inferable, _ = wanted(group)
+    if missing == inferable:
         return
     ways = []
-    if missing == inferable:
-        ways.append(f"association (--set {group.name}.association=two-scans)")
-    givers = [name for name in found.modules(PIPELINES) if missing <= given(found.load(PIPELINES, name, "pipeline"))]
-    ways += [f"pipeline {name}" for name in sorted(givers)]
+    if missing <= INFERRED and group.association != TWO_SCANS:
+        ways.append(f"association (--set {group.name}.association={TWO_SCANS})")
+    for name in found.modules(PIPELINES):
+        if missing <= given(found.load(PIPELINES, name, "pipeline")):
+            ways.append(f"pipeline {name}")
     raise InputError(
-        f"law {group.law!r} needs {_listed(missing)} of its neighbours or surroundings, which pipeline "
-        f"{group.pipeline!r} does not give; given by: {', '.join(ways) or 'no pipeline'}"
+        f"law {group.law!r} needs {_listed(missing)}, which pipeline {group.pipeline!r} does not give; "
+        f"given by: {', '.join(ways) or 'no pipeline'}"
     )
 
 

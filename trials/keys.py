@@ -6,14 +6,21 @@ import dataclasses
 from collections.abc import Mapping
 from typing import Annotated, Any, NamedTuple
 
-from flocking import found, lawentry, selection
+from flocking import avoidance, found, lawentry, obstacle_selection, selection
 from flocking.errors import unknown_name
 from flocking.parameters import Parameter, checked, declared
 from robots import create
-from sensing import laser
+from sensing import association, laser
+from trials import information
+from trials.knowledge import SOURCES
+from trials.obstacle_stage import AS_LAW, AVOID, CHOICES
 from trials.rows import Row, added, rows_of, told
 from trials.types import Group, Trial
 from worlds import formations
+
+AVOIDS = "+"
+"""Behind a law's name: with avoidance."""
+FOR_CREATES = "for Creates: the law's file"
 
 
 class TrialFields(NamedTuple):
@@ -72,6 +79,25 @@ class GroupFields(NamedTuple):
     start_moving: Annotated[
         bool, Parameter("", "not published: what a member keeps that has seen nobody yet is to drive straight on")
     ] = True
+    role: Annotated[
+        int, Parameter("", "what laws that know of roles are told: 0 ordinary, 1 leader or strong", low=0, high=1)
+    ] = 0
+    informed: Annotated[
+        int, Parameter("robots", "the first so many are given the goal, and role 1", low=0, high=1000)
+    ] = 0
+    goal_x_m: Annotated[float, Parameter("m", "of the goal, in the world; far away it is a preferred direction")] = 0.0
+    goal_y_m: Annotated[float, Parameter("m", "likewise")] = 0.0
+    own_motion: Annotated[
+        str, Parameter("", "choice: the Create's odometry loses slow turns (trials/knowledge.py)", choices=SOURCES)
+    ] = "commands"
+    association: Annotated[
+        str,
+        Parameter("", "Fine 2015, section 3.6.3; at work where the law needs it", choices=information.ASSOCIATIONS),
+    ] = information.TWO_SCANS
+    obstacles: Annotated[
+        str, Parameter("", "Fine 2015, figure 3.3: left to the law, avoided, or made virtual members", choices=CHOICES)
+    ] = "as-law"
+    obstacle_selection: Annotated[str, Parameter("", "Fine 2015, figure 3.3, which leaves it open")] = "all"
 
 
 def put(trial: Trial, key: str, value: Any) -> Trial:
@@ -99,24 +125,37 @@ def rows(trial: Trial, sources: Mapping[str, Parameter] | None = None) -> list[R
     for group in trial.groups:
         name = f"{group.name}."
         found_rows += rows_of(GroupFields, name, vars(group))
-        law = _law_module(group)
-        found_rows += rows_of(law.Parameters, f"{name}law.", group.law_parameters)
+        found_rows += _law_rows(group)
         pipeline = found.load("sensing.pipelines", group.pipeline, "pipeline")
         found_rows += rows_of(pipeline.Parameters, f"{name}pipeline.", group.pipeline_parameters)
         setting = laser.SETTINGS[group.sensors]._asdict()
         found_rows += rows_of(laser.Parameters, f"{name}sensors.", {**setting, **group.sensor_parameters})
+        if information.wanted(group).associate:
+            found_rows += rows_of(association.Parameters, f"{name}association.", group.association_parameters)
+        if group.obstacles != AS_LAW:
+            found_rows += rows_of(avoidance.Parameters, f"{name}avoidance.", group.avoidance_parameters)
     return [told(row, (sources or {}).get(row.key)) for row in found_rows]
+
+
+def settled(trial: Trial) -> Trial:
+    """`trial` with the law parameters with which Creates run it written down."""
+    groups = [
+        dataclasses.replace(group, law_parameters=information.for_creates(_law_module(group), group.law_parameters))
+        for group in trial.groups
+    ]
+    return dataclasses.replace(trial, groups=tuple(groups))
 
 
 def _put_group(trial: Trial, group: Group, key: str, parts: list[str], value: Any) -> Group:
     fields = declared(GroupFields)
     if len(parts) == 1 and parts[0] in fields:
         value = checked(key, value, fields[parts[0]])
-        if parts[0] == "law" and lawentry.is_path(str(value)):
-            return dataclasses.replace(group, law=value, law_source=lawentry.read_source(value), law_parameters={})
-        changed = dataclasses.replace(group, **{parts[0]: _named(key, value)})
         if parts[0] == "law":
-            return dataclasses.replace(changed, law_source="", law_parameters={})
+            return _put_law(group, key, value)
+        if parts[0] == "selection":
+            law = _law_module(group)
+            selection.parse_sets(value, lawentry.sets_of(law), declared(law.Parameters))
+        changed = dataclasses.replace(group, **{parts[0]: _named(key, value)})
         return dataclasses.replace(changed, pipeline_parameters={}) if parts[0] == "pipeline" else changed
     if len(parts) == 2:
         places = {
@@ -126,6 +165,8 @@ def _put_group(trial: Trial, group: Group, key: str, parts: list[str], value: An
                 lambda: found.load("sensing.pipelines", group.pipeline, "pipeline").Parameters,
             ),
             "sensors": ("sensor_parameters", lambda: laser.Parameters),
+            "association": ("association_parameters", lambda: association.Parameters),
+            "avoidance": ("avoidance_parameters", lambda: avoidance.Parameters),
         }
         if parts[0] in places:
             field, parameters = places[parts[0]]
@@ -135,14 +176,37 @@ def _put_group(trial: Trial, group: Group, key: str, parts: list[str], value: An
     raise unknown_name("parameter", key, _keys(trial))
 
 
+def _put_law(group: Group, key: str, value: str) -> Group:
+    """Another law, without parameters; a `+` behind its name adds the avoidance of obstacles that all laws share."""
+    name = value.removesuffix(AVOIDS)
+    if lawentry.is_path(name):
+        group = dataclasses.replace(group, law=name, law_source=lawentry.read_source(name), law_parameters={})
+    else:
+        group = dataclasses.replace(group, law=_named(key, name), law_source="", law_parameters={})
+    return dataclasses.replace(group, obstacles=AVOID) if value.endswith(AVOIDS) else group
+
+
+def _law_rows(group: Group) -> list[Row]:
+    """The law's parameters with the values that Creates run it with."""
+    law = _law_module(group)
+    creates = information.for_creates(law, {})
+    found_rows = rows_of(law.Parameters, f"{group.name}.law.", {**creates, **group.law_parameters})
+    return [
+        row._replace(source=FOR_CREATES, published=False)
+        if name in creates and group.law_parameters.get(name, creates[name]) == creates[name]
+        else row
+        for name, row in zip(declared(law.Parameters), found_rows, strict=True)
+    ]
+
+
 def _named(key: str, value: Any) -> Any:
     """Checks names that mean a file or a function, and gives them their usual spelling."""
     last = key.rsplit(".", 1)[-1]
     packages = {"world": "worlds", "pipeline": "sensing.pipelines", "law": "flocking.laws", "body": "robots"}
     if last == "formation" and value not in formations.FORMATIONS:
         raise unknown_name("formation", value, formations.FORMATIONS)
-    if last == "selection":
-        selection.parse(value)
+    if last == "obstacle_selection":
+        obstacle_selection.parse(value)
     if last in packages:
         choose(packages[last], value, last)
         return value.replace("_", "-")

@@ -82,10 +82,3 @@ def composed(first: Floats, second: Floats) -> Floats:
             first[2] + second[2],
         ]
     )
-
-
-def between(first: Floats, second: Floats) -> Floats:
-    """(3,) the pose `second` in the frame of the pose `first`."""
-    c, s = math.cos(first[2]), math.sin(first[2])
-    x, y = second[0] - first[0], second[1] - first[1]
-    return np.array([c * x + s * y, c * y - s * x, second[2] - first[2]])

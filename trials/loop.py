@@ -52,7 +52,7 @@ def run_trial(trial: Trial, scans: str = "none", reraise: bool = False) -> Trial
     result = log.result(
         names=herd.world.names,
         radii=herd.radii,
-        rules=tuple(robot.law.rules for robot in herd.robots),
+        rules=tuple(robot.rules for robot in herd.robots),
         walls_w=herd.world.walls.segments,
         contacts=herd.world.contacts,
         outcome=outcome,
@@ -87,9 +87,10 @@ def run(herd: Herd, log: Log, last: int) -> None:
         robot = robots[k]
         keep = log.wants_scan(k, data.time)
         senses, truth = robot.sense(data, data.time, herd.world_truth(k, poses_w), record=keep)  # 1
-        detection = robot.detect(senses)  # 2
-        sets = robot.select(detection.members)  # 3
-        motion = robot.decide(detection, sets)  # 4
+        detection = robot.detect(senses)  # 2, and 6 obstacle detection
+        heeded = robot.heed(detection)  # 7 obstacle selection
+        sets = robot.select(heeded.members)  # 3
+        motion = robot.decide(heeded, sets)  # 4
         command = robot.drive(motion)  # 5, after the latency
         heapq.heappush(events, (tick + robot.latency, ACT, k, command))
         heapq.heappush(events, (tick + robot.period, SENSE, k, None))

@@ -15,14 +15,15 @@ from flocking.lawentry import MOTIONS_WITHOUT_NUMBERS, OWN_SIZE, Law
 from flocking.types import Bools, Floats, Kind, Members, Motion, Own
 from robots.controller import follow
 from robots.fleet import Fleet
+from sensing.association import Association
 from sensing.laser import PERIOD_S, Lasers
 from sensing.types import Detection, PipelineState, Scan, ScanTruth, Senses, WorldTruth
+from trials.knowledge import COMPASS, GOAL, Knowledge
+from trials.obstacle_stage import AVOIDING, ObstacleStage
 from trials.types import Group
 
 _AHEAD = 64
 """Updates for which a law's random numbers are drawn at once."""
-_NO_COMPASS = float("nan")
-_NO_GOAL = np.full(2, np.nan)
 
 
 @cache
@@ -59,6 +60,11 @@ class Robot:
     """What its pipeline reads."""
     fleet: Fleet
     lasers: Lasers | None
+    knowledge: Knowledge
+    association: Association | None
+    """Of detections that lack what the law needs."""
+    obstacle_stage: ObstacleStage
+    role: int
     memory: Floats
     dt: float
     command: tuple[float, float] = (0.0, 0.0)
@@ -69,18 +75,20 @@ class Robot:
     _last_scan: tuple[Scan, ScanTruth] | None = None
     _scanned: float = -math.inf
     """Time of its last scan, s."""
+    _sensed: float = 0.0
+    """Time of its last update, s."""
     _draws: Floats = field(default_factory=lambda: np.empty((0, 0)))
     _drawn: int = 0
     _motion_row: Floats = field(default_factory=lambda: np.zeros(4))
 
     def __post_init__(self) -> None:
-        self._velocity = self._own_row[0:2]
+        self._velocity, self._goal = self._own_row[0:2], self._own_row[GOAL]
         self._reads_intensity = "intensity" in self.reads
         self._reads_owners = "owners" in self.reads
         self._reads_scan = self._reads_intensity or "scan" in self.reads
         lasers = self.lasers
         self._free_intensity = lasers is not None and lasers.parameters[self.index].intensity_mode == "ideal"
-        self._own_row[8], self._own_row[9], self._own_row[10] = self.dt, self.index, 0.0
+        self._own_row[8], self._own_row[9], self._own_row[10] = self.dt, self.index, self.role
 
     def sense(
         self, data: Any, time: float, truth: WorldTruth | None, *, record: bool
@@ -94,7 +102,11 @@ class Robot:
         row, contacts = self._own_row, self._contacts
         self.fleet.own(self.index, row, contacts)
         row[6], row[7] = contacts
-        self.own = Own(self._velocity, float(row[2]), _NO_COMPASS, _NO_GOAL, contacts, self.dt, self.index, 0)
+        self.knowledge.tell(data, time - self._sensed, row)
+        self._sensed = time
+        self.own = Own(
+            self._velocity, float(row[2]), float(row[COMPASS]), self._goal, contacts, self.dt, self.index, self.role
+        )
         if self.lasers is None or not (record or self._reads_scan):
             return Senses(None, truth), None
         if time - self._scanned < PERIOD_S - 1e-9 and self._last_scan is not None:
@@ -106,9 +118,16 @@ class Robot:
         return Senses(scan, truth, scan_truth.owners if self._reads_owners else None), scan_truth
 
     def detect(self, senses: Senses) -> Detection:
-        """Stage 2."""
+        """Stage 2, with what association infers from the detection before."""
         detection, self.pipeline_state = self.pipeline.detect(senses, self.own, self.pipeline_state)
-        return detection
+        if self.association is None:
+            return detection
+        time = self._scanned if self._reads_scan else self._sensed
+        return self.association.infer(detection, time, self.knowledge.pose_w)
+
+    def heed(self, detection: Detection) -> Detection:
+        """Stage 7, obstacle selection, and where the group has them the virtual members that obstacles make."""
+        return self.obstacle_stage.heeded(detection, self._velocity) if self.obstacle_stage.acts else detection
 
     def select(self, members: Members) -> Bools:
         """Stage 3: masks (S, M)."""
@@ -148,7 +167,15 @@ class Robot:
             raise LawError(
                 f"law {self.law.name!r} returned kind {kind:g}, x {x:g}, y {y:g}, rule {rule:g} for {self.name}"
             )
-        return Motion(int(kind), x, y, int(rule))
+        motion = Motion(int(kind), x, y, int(rule))
+        if not self.obstacle_stage.avoids:
+            return motion
+        return self.obstacle_stage.avoided(motion, self._velocity, self.dt, detection.obstacles, len(self.law.rules))
+
+    @property
+    def rules(self) -> tuple[str, ...]:
+        """Names that `Motion.rule` is an index into: the law's, and the avoidance where it is added."""
+        return (*self.law.rules, AVOIDING) if self.obstacle_stage.avoids else self.law.rules
 
     def _draw(self) -> Floats:
         """The next uniform numbers (DRAWS,) of the law's stream, drawn many at a time."""

@@ -42,6 +42,15 @@ def rows(trial: Trial, sources: Mapping[str, Parameter] | None = None) -> list[R
     return physical.rows(trial, sources)
 
 
+def settled(trial: Trial) -> Trial:
+    """`trial` with the values written down that its names stand for, so that its run's folder tells them."""
+    if is_kinematic(trial):
+        return trial
+    from trials import keys as physical
+
+    return physical.settled(trial)
+
+
 def check(trial: Trial) -> None:
     """Refuses, before anything is run, a trial whose names and numbers do not fit one another: `InputError`."""
     if is_kinematic(trial):

@@ -1,0 +1,69 @@
+"""Stage 7, obstacle selection: which of the obstacles seen reach the law, the avoidance and the virtual members.
+
+Source: Fine 2015, section 3.6.1 and figure 3.3, which name the stage and leave its functions open. Text as for
+neighbours (`flocking.selection`): `all`, `nearest`, `within(1.5)` (m), `ahead(180)` (width in degrees), joined by `&`,
+each seeing only what the last one kept.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+from flocking import avoidance
+from flocking.errors import InputError, unknown_name
+from flocking.types import Bools, Obstacles
+
+
+class Function(NamedTuple):
+    """What a name stands for."""
+
+    function: Callable[..., Bools]
+    arguments: int
+    high: float
+    """The largest number that it takes; the smallest is 0."""
+
+
+OBSTACLE_SELECTIONS = {
+    "nearest": Function(avoidance.nearest, 0, 0.0),
+    "within": Function(avoidance.within, 1, math.inf),
+    "ahead": Function(lambda obstacles, width: avoidance.ahead(obstacles, math.radians(width)), 1, 360.0),
+}
+"""Beside `all`, which keeps everything."""
+
+Steps = list[tuple[Function, tuple[float, ...]]]
+_CALL = re.compile(r"^\s*([a-z-]+)\s*(?:\(([^()]*)\))?\s*$")
+
+
+def parse(text: str) -> Steps:
+    """The steps that a selection's text names. Raises `InputError` if it names none."""
+    steps: Steps = []
+    for part in text.split("&"):
+        match = _CALL.match(part)
+        if match is None:
+            raise InputError(f"obstacle selection {text!r}: expected names such as nearest or within(1), joined by &")
+        name = match.group(1)
+        if name != "all" and name not in OBSTACLE_SELECTIONS:
+            raise unknown_name("obstacle selection", name, ["all", *OBSTACLE_SELECTIONS])
+        about = OBSTACLE_SELECTIONS.get(name, Function(avoidance.nearest, 0, 0.0))
+        pieces = [piece.strip() for piece in (match.group(2) or "").split(",") if piece.strip()]
+        try:
+            given = tuple(map(float, pieces))
+        except ValueError:
+            given = (math.nan,)
+        if len(pieces) != about.arguments or not all(0.0 <= value <= about.high for value in given):
+            most = f" to {about.high:g}" if math.isfinite(about.high) else " on"
+            wanted = f"one number from 0{most}" if about.arguments else "no number"
+            raise InputError(f"obstacle selection {part.strip()!r}: {name} takes {wanted}")
+        if name != "all":
+            steps.append((about, given))
+    return steps
+
+
+def select(steps: Sequence[tuple[Function, tuple[float, ...]]], obstacles: Obstacles) -> Obstacles:
+    """The obstacles that every step keeps."""
+    for about, given in steps:
+        obstacles = Obstacles(obstacles.points[about.function(obstacles, *given)])
+    return obstacles
