@@ -106,7 +106,10 @@ def run(
     out: Annotated[
         Path | None, Option(metavar="DIR", help="Folder of the run; runs/EXPERIMENT/NNN by default.")
     ] = None,
-    record: Annotated[Literal["all", "first", "none"], Option(help="Which trials to record for `herd play`.")] = "all",
+    record: Annotated[
+        Literal["all", "first", "none"] | None,
+        Option(help="Which trials to record for `herd play`; the experiment's own choice by default."),
+    ] = None,
     scans: Annotated[Literal["some", "all"], Option(help="Scans in recordings: 2 a second, or all.")] = "some",
     law: Law = None,
     pipeline: Pipeline = None,
@@ -191,11 +194,15 @@ def world(
     """
     from trials import options
     from trials.running import Asked, planned
+    from trials.simulations import is_kinematic
     from trials.store import write_whole
-    from trials.worldfile import world_xml
 
     made, _ = planned(Asked(experiment, repeats=repeat, settings=options.settings(settings or [])))
     chosen = next(trial for trial in made.trials if trial.repeat == repeat)
+    if is_kinematic(chosen):
+        raise InputError(f"experiment {experiment!r} is kinematic: it has no world for MuJoCo; see it with herd play")
+    from trials.worldfile import world_xml
+
     write_whole(out, world_xml(chosen).encode())
     print(f"{out}: open it with python -m mujoco.viewer --mjcf={out}")
 

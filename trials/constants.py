@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import ast
 import importlib
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -21,6 +22,7 @@ MODULES = (
     "worlds.formations",
     "trials.measures",
 )
+KINEMATIC_MODULES = ("flocking.kinematic.detection", "flocking.kinematic.motion", "trials.kinematic.measures")
 
 
 class Constant(NamedTuple):
@@ -31,9 +33,9 @@ class Constant(NamedTuple):
     remark: str
 
 
-def constants() -> list[Constant]:
+def constants(modules: Sequence[str] = MODULES) -> list[Constant]:
     """Public numeric constants of the modules, in the order of their files."""
-    return [constant for name in MODULES for constant in _of(name)]
+    return [constant for name in modules for constant in _of(name)]
 
 
 def _of(name: str) -> list[Constant]:

@@ -125,7 +125,7 @@ def plan(
         experiment=name.replace("_", "-"),
         title=title(name),
         trials=trials,
-        parameters=_parameters(module, trials[0], set(conditions)),
+        parameters=_parameters(module, trials[0], {*settings, *arm_values}),
         conditions=conditions,
         sweep=arm_values,
         repeats=repeats,
@@ -133,12 +133,12 @@ def plan(
     )
 
 
-def _parameters(module: ModuleType, trial: Trial, varied: set[str]) -> list[Row]:
+def _parameters(module: ModuleType, trial: Trial, given: set[str]) -> list[Row]:
     """Every parameter of a trial; those that the user set say so."""
     sources = getattr(module, "SOURCES", {})
     usual = _usual(module.base(trial.repeat), trial)
     rows = simulations.rows(trial, sources)
-    return [row if row.key in varied else marked(row, usual.get(row.key, row.value)) for row in rows]
+    return [marked(row, usual.get(row.key, row.value)) if row.key in given else row for row in rows]
 
 
 def _usual(base: Trial, trial: Trial) -> dict[str, Any]:

@@ -12,8 +12,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from trials.about import Measure
 from trials.claims import Entry
-from trials.measures import ABOUT
 from trials.summary import Cell, mean, named
 from trials.types import TrialResult
 
@@ -196,13 +196,13 @@ def forest(entries: Sequence[Entry]) -> Canvas:
     return canvas
 
 
-def measures_by_cell(cells: Sequence[Cell], measures: Sequence[str]) -> Canvas:
+def measures_by_cell(cells: Sequence[Cell], measures: Sequence[str], about: Mapping[str, Measure]) -> Canvas:
     """Means with their 95 % intervals over the numeric condition with most values; a line for each of the
     rest."""
     axis_key, lines = _lines(cells)
     canvas, axes = _grid(len(measures), min(4, len(measures)), width=9.6, height=2.0)
     for axis, measure in zip(axes, measures, strict=True):
-        unit = ABOUT[measure].unit if measure in ABOUT else ""
+        unit = about[measure].unit if measure in about else ""
         axis.set_title(f"{measure} ({unit})" if unit else measure, loc="left")
         for rank, (label, points) in enumerate(lines.items()):
             colour = SERIES_COLOURS[rank % len(SERIES_COLOURS)]

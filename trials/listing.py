@@ -9,7 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from flocking import found
-from trials.constants import constants
+from trials.constants import KINEMATIC_MODULES, MODULES, constants
+from trials.simulations import is_kinematic
 from trials.types import Trial
 
 SHOWN_TRIALS = 12
@@ -35,7 +36,10 @@ def planned(plan: Any, chosen: Sequence[Trial]) -> str:
         for row in plan.parameters
     ]
     lines = [f"{plan.experiment}: {plan.title}", "", *_table(("parameter", "value", "unit", "", "source"), rows), ""]
-    fixed = [(constant.name, f"{constant.value:g}", constant.remark) for constant in constants()]
+    fixed = [
+        (constant.name, f"{constant.value:g}", constant.remark)
+        for constant in constants(KINEMATIC_MODULES if is_kinematic(plan.trials[0]) else MODULES)
+    ]
     lines += [*_table(("constant, not to be set", "value", "unit and source"), fixed), ""]
     for factor, values in (*plan.conditions.items(), *plan.sweep.items()):
         lines.append(f"varied: {factor} = {', '.join(map(_value, values))}")

@@ -7,13 +7,14 @@ and positives); the choices that it leaves open are named below and in docs/dete
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from flocking import measures as formation
 from flocking.types import Bools, Floats, Ints, Kind
 from sensing.truth import DETECTED, MISSED
+from trials.about import Measure
 from trials.types import TrialResult, Updates
 
 NEAREST_BOUND = math.radians(15.0)
@@ -25,13 +26,6 @@ at half and twice."""
 GROUP_CUT_M = 1.32
 """Members farther apart belong to different groups (single linkage). Choice: twice the repulsion distance of
 two body-lengths, so that one member missing from a chain does not break it."""
-
-
-class Measure(NamedTuple):
-    """What a measure's number means."""
-
-    unit: str
-    text: str
 
 
 ABOUT: dict[str, Measure] = {

@@ -7,13 +7,14 @@ import json
 import math
 import re
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from flocking.errors import InputError
 from trials.claims import Entry
-from trials.summary import Cell, Mean, cells, mean, named
+from trials.simulations import is_kinematic
+from trials.summary import Cell, Mean, cells, key_measures, mean, named
 
 VERDICTS = {True: "holds", False: "does not hold", None: "undecided"}
 COLUMNS = {
@@ -24,7 +25,7 @@ COLUMNS = {
     "fn_share": "false\nneg.",
     "fp_update_share": "false\npos.",
 }
-"""Measures that fit on a terminal, and their headings."""
+"""Measures of robots that fit on a terminal, and their headings."""
 STYLES = {True: "green", False: "red", None: "yellow"}
 
 
@@ -50,7 +51,7 @@ def report(folder: Path | None = None, as_json: bool = False) -> str:
             write(store, store.run, module, entries, found)
         except OSError as error:
             raise InputError(f"cannot write the report into {store.folder}: {error.strerror or error}") from error
-        return _on_terminal(store, entries, found)
+        return _on_terminal(store, module, entries, found)
     finally:
         store.close()
 
@@ -116,7 +117,7 @@ def _of_cells(experiment: str, found: Sequence[Cell]) -> list[Entry]:
     return entries
 
 
-def _on_terminal(store: Any, entries: Sequence[Entry] | None, found: Sequence[Cell]) -> str:
+def _on_terminal(store: Any, module: Any, entries: Sequence[Entry] | None, found: Sequence[Cell]) -> str:
     from rich.console import Console
     from rich.text import Text
 
@@ -130,7 +131,7 @@ def _on_terminal(store: Any, entries: Sequence[Entry] | None, found: Sequence[Ce
             for line in needed(entries):
                 console.print(Text(line))
         else:  # nothing published, or none of its cells in this run: what was measured stands alone
-            console.print(_cells_table(found, store.run["experiment"]))
+            console.print(_cells_table(found, store.run["experiment"], _columns(store, module)))
             if entries:
                 console.print(Text(f"{verdicts(entries)}\n"))
         console.print(Text(counted(store)))
@@ -157,6 +158,13 @@ def needed(entries: Sequence[Entry]) -> list[str]:
     ]
 
 
+def _columns(store: Any, module: Any) -> Mapping[str, str]:
+    """Measures for the terminal, and their headings."""
+    if store.trials and is_kinematic(store.trials[0]):
+        return {name: name.replace("_", "\n") for name in key_measures(store, module)}
+    return COLUMNS
+
+
 def _claims_table(entries: Sequence[Entry], title: str) -> Any:
     from rich import box
     from rich.table import Table
@@ -181,17 +189,17 @@ def _claims_table(entries: Sequence[Entry], title: str) -> Any:
     return table
 
 
-def _cells_table(found: Sequence[Cell], title: str) -> Any:
+def _cells_table(found: Sequence[Cell], title: str, columns: Mapping[str, str]) -> Any:
     from rich import box
     from rich.table import Table
     from rich.text import Text
 
-    names = [name for name in COLUMNS if any(name in cell.measures for cell in found)]
+    names = [name for name in columns if any(name in cell.measures for cell in found)]
     table = Table(title=Text(title), box=box.SIMPLE_HEAD, title_justify="left", pad_edge=False)
     table.add_column("means over n repeats", ratio=1, min_width=20)
     table.add_column("n", justify="right")
     for name in names:
-        table.add_column(COLUMNS[name], justify="right", no_wrap=False)
+        table.add_column(columns[name], justify="right", no_wrap=False)
     for cell in found:
         means = [shown_number(mean(cell, name).measured) for name in names]
         table.add_row(named(cell.conditions), str(cell.done), *means)

@@ -12,12 +12,12 @@ from string import Template
 from typing import Any
 
 from trials import figures as draw
+from trials.about import Measure, about
 from trials.claims import Entry
 from trials.figures import Figure
-from trials.measures import ABOUT
 from trials.report import VERDICTS, arms_of, counted, shown_interval, shown_number, verdicts
 from trials.store import write_whole
-from trials.summary import KEY_MEASURES, Cell, cells, mean, named
+from trials.summary import Cell, cells, key_measures, mean, named
 
 PAGE = "report.html"
 CLASSES = {True: "holds", False: "fails", None: "open"}
@@ -45,7 +45,7 @@ def write(
             )
     for figure in _figures(store, module, folder, found):
         parts.append(f"<h2>{escape(figure.title)}</h2>{_figure(figure)}")
-    parts.append(f"<h2>All measures by cell</h2>{_measures(found)}")
+    parts.append(f"<h2>All measures by cell</h2>{_measures(found, about(store.trials))}")
     parts.append(_failures(store))
     text = resources.files("trials").joinpath("report.html").read_text(encoding="utf-8")
     title = f"{run['experiment']}: {folder.name}"
@@ -58,9 +58,9 @@ def write(
 def _figures(store: Any, module: Any, folder: Path, found: Sequence[Cell]) -> list[Figure]:
     """The experiment's own figures, then the measures by cell, which every experiment has."""
     own: list[Figure] = module.figures(store, folder) if hasattr(module, "figures") else []
-    names = [name for name in KEY_MEASURES if any(name in cell.measures for cell in found)]
+    names = [name for name in key_measures(store, module) if any(name in cell.measures for cell in found)]
     if names:
-        canvas = draw.measures_by_cell(found, names)
+        canvas = draw.measures_by_cell(found, names, about(store.trials))
         caption = "Mean over the repeats with its 95 % interval."
         own = [*own, draw.save(canvas, folder, "measures", "Measures by cell", caption)]
     return own
@@ -114,21 +114,21 @@ def _measured(measured: float, low: float, high: float) -> str:
     return f"{shown_number(measured)} <span class='small'>{shown_interval(low, high)}</span>"
 
 
-def _measures(found: Sequence[Cell]) -> str:
+def _measures(found: Sequence[Cell], known: Mapping[str, Measure]) -> str:
     """A row a measure, a column a cell: mean and interval."""
     names = dict.fromkeys(name for cell in found for name in cell.measures)
     head = "".join(f"<th class='number'>{escape(named(cell.conditions))}<br>n {cell.done}</th>" for cell in found)
     rows = []
     for name in names:
-        about = ABOUT.get(name)
-        told = f"{escape(name)} <span class='small'>{escape(about.unit)}</span>" if about else escape(name)
-        note = f" title='{escape(about.text)}'" if about else ""
+        meant = known.get(name)
+        told = f"{escape(name)} <span class='small'>{escape(meant.unit)}</span>" if meant else escape(name)
+        note = f" title='{escape(meant.text)}'" if meant else ""
         numbers = ""
         for cell in found:
             at = mean(cell, name)
             numbers += f"<td class='number'>{_measured(at.measured, at.low, at.high)}</td>"
         rows.append(f"<tr><td{note}>{told}</td>{numbers}</tr>")
-    meaning = "".join(f"<li><b>{escape(name)}</b>: {escape(ABOUT[name].text)}</li>" for name in names if name in ABOUT)
+    meaning = "".join(f"<li><b>{escape(name)}</b>: {escape(known[name].text)}</li>" for name in names if name in known)
     return (
         f"<div class='wide'><table><tr><th>measure</th>{head}</tr>{''.join(rows)}</table></div>"
         f"<details><summary>What each measure is</summary><ul class='small'>{meaning}</ul></details>"

@@ -13,9 +13,9 @@ from time import monotonic
 from typing import Any
 
 from flocking.errors import InputError
-from trials import machine, options, progress, store
+from trials import machine, options, progress, simulations, store, worker
 from trials.batch import run_batch
-from trials.design import DEFAULT_SEED, Plan, plan
+from trials.design import DEFAULT_SEED, Plan, load, plan
 from trials.store import Row, Store
 from trials.types import Trial
 
@@ -38,7 +38,8 @@ class Asked:
     pipeline: str | None = None
     body: str | None = None
     only: str | None = None
-    record: str = "all"
+    record: str | None = None
+    """None: as the experiment says."""
     scans: str = "some"
 
     def command(self) -> str:
@@ -63,8 +64,6 @@ def planned(asked: Asked) -> tuple[Plan, list[Trial]]:
 
     Raises `InputError` for anything that does not exist or fit.
     """
-    from trials.herd import check
-
     check_laws(asked)
     made = plan(
         asked.experiment,
@@ -77,11 +76,16 @@ def planned(asked: Asked) -> tuple[Plan, list[Trial]]:
         body=asked.body,
     )
     for trial in made.trials:
-        check(trial)
+        simulations.check(trial)
     if asked.only is None:
         return made, made.trials
     wanted = options.only(asked.only, len(made.trials))
     return made, [made.trials[index - 1] for index in wanted]
+
+
+def record_of(experiment: str) -> str:
+    """Which trials of an experiment are recorded where nobody says."""
+    return str(getattr(load(experiment), "RECORD", "all"))
 
 
 def check_laws(asked: Asked) -> None:
@@ -116,7 +120,7 @@ def start(asked: Asked, out: Path | None, jobs: int) -> int:
         "pipeline": asked.pipeline,
         "body": asked.body,
         "only": asked.only,
-        "record": asked.record,
+        "record": asked.record or record_of(asked.experiment),
         "scans": asked.scans,
         "started": datetime.now(UTC).isoformat(timespec="seconds"),
         **machine.made_with(),
@@ -154,9 +158,6 @@ def debug(asked: Asked) -> int:
     """Runs one trial in this process, keeps nothing, and shows the traceback of what fails; returns the exit code."""
     import faulthandler
 
-    from trials.herd import assemble
-    from trials.log import Log
-    from trials.loop import run
     from trials.worker import run_packed
 
     if asked.only is None or not asked.only.strip().isdigit():
@@ -165,10 +166,9 @@ def debug(asked: Asked) -> int:
     faulthandler.enable()
     print(f"trial {trial.index}: seed {trial.seed}, repeat {trial.repeat}, {conditions(trial)}", flush=True)
     try:
-        output = run_packed(trial.as_dict(), asked.scans, asked.record != "none")
+        output = run_packed(trial.as_dict(), asked.scans, (asked.record or record_of(asked.experiment)) != "none")
         if output.status != "done":  # the loop made it a failed result; once more without the net
-            herd = assemble(trial, record=False)
-            run(herd, Log(trial, len(herd.robots), "none"), last=round(trial.duration_s / trial.timestep_s))
+            simulations.run_trial(trial, reraise=True)
     except Exception:
         traceback.print_exc()
         return 1
@@ -207,8 +207,6 @@ def kinds(trials: Sequence[Trial]) -> list[Trial]:
 
 def _go(kept: Store, jobs: int) -> int:
     """Runs the trials that have no row yet, or lost their worker to an accident."""
-    from trials.herd import check
-
     trials = kept.trials
     record, scans = kept.run.get("record"), kept.run.get("scans")
     if record not in RECORD or scans not in SCANS:
@@ -218,7 +216,7 @@ def _go(kept: Store, jobs: int) -> int:
     left = [trial for trial in trials if trial.index not in ended]
     for trial in left:
         try:
-            check(trial)
+            simulations.check(trial)
         except (TypeError, ValueError, KeyError, AttributeError) as error:
             raise InputError(f"{kept.folder / store.RUN}: trial {trial.index}: {error}") from error
     started, stopped, new = monotonic(), 0, 0
@@ -231,6 +229,7 @@ def _go(kept: Store, jobs: int) -> int:
                 jobs=jobs,
                 scans=scans,
                 recorded=frozenset(trial.index for trial in recorded),
+                imports=worker.imports_of(left),
                 warm_up=kinds(left),
             )
         stopped, new = summary.stopped, len(summary.rows)

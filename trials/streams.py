@@ -20,6 +20,7 @@ class Purpose(IntEnum):
     LAW = 4
     ODOMETRY = 5
     RECORDING = 6
+    WORLD = 7
 
 
 def stream(seed: int, repeat: int, group: int, member: int, purpose: Purpose) -> np.random.Generator:

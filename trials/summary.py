@@ -9,11 +9,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from flocking.types import Floats
+from trials.about import about
 from trials.claims import Run
-from trials.measures import ABOUT
+from trials.simulations import is_kinematic
 from trials.statistics import mean_interval
 
-KEY_MEASURES = (
+PHYSICAL_MEASURES = (
     "acts_as_snn_share",
     "reverted_share",
     "effective_ha_share",
@@ -23,7 +24,9 @@ KEY_MEASURES = (
     "fp_update_share",
     "mmd",
 )
-"""Those that a first look needs; every measure of a run is in its report's page."""
+"""Those of robots that a first look needs; every measure of a run is in its report's page."""
+KINEMATIC_MEASURES = ("polarization", "relative_speed", "mmd", "groups", "largest_share", "net_displacement")
+"""Those of kinematic herds."""
 
 
 class Cell(NamedTuple):
@@ -52,7 +55,7 @@ class Mean(NamedTuple):
 
 def cells(run: Run) -> list[Cell]:
     """The cells of a run in the order of its trials, unfinished ones too."""
-    rows = {row.index: row for row in run.rows()}
+    rows, known = {row.index: row for row in run.rows()}, about(run.trials)
     groups: dict[tuple[tuple[str, Any], ...], list[int]] = {}
     for trial in run.trials:
         groups.setdefault(tuple(trial.conditions.items()), []).append(trial.index)
@@ -60,10 +63,17 @@ def cells(run: Run) -> list[Cell]:
     for conditions, indices in groups.items():
         ended = [rows[index] for index in indices if index in rows]
         done = [row for row in ended if row.status == "done"]
-        names = [name for name in ABOUT if any(name in row.measures for row in done)]
+        names = [name for name in known if any(name in row.measures for row in done)]
         names += sorted({name for row in done for name in row.measures} - set(names))
         measures = {name: np.array([row.measures.get(name, np.nan) for row in done]) for name in names}
         found.append(Cell(dict(conditions), len(indices), len(ended) - len(done), measures))
+    return found
+
+
+def key_measures(run: Run, experiment: Any) -> tuple[str, ...]:
+    """The measures that a first look at a run needs: those that the experiment names, or those of its kind."""
+    kinematic = bool(run.trials) and is_kinematic(run.trials[0])
+    found: tuple[str, ...] = getattr(experiment, "KEY_MEASURES", KINEMATIC_MEASURES if kinematic else PHYSICAL_MEASURES)
     return found
 
 

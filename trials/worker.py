@@ -9,12 +9,13 @@ import signal
 import sys
 import tempfile
 import traceback
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from time import perf_counter
 from typing import Any
 
+from trials.simulations import PHYSICS, is_kinematic
 from trials.store import StorageError
 from trials.types import Trial, TrialResult
 
@@ -29,6 +30,8 @@ ONE_THREAD = {
 
 WARM_UP_S = 1.0
 """Simulated time of the trials that fill the compiled cache: every robot senses and acts a few times."""
+WARM_UP_STEPS = 2
+"""Likewise of a kinematic trial."""
 _PR_SET_PDEATHSIG = 1
 """From linux/prctl.h."""
 
@@ -64,11 +67,22 @@ def prepare(fill: Callable[[], None] | None = None) -> None:
 
 
 def imports() -> None:
-    """Imports all that a trial needs."""
+    """Imports all that a physical trial needs."""
     import trials.loop
     import trials.measures
     import trials.recordings
     import trials.series  # noqa: F401
+
+
+def kinematic_imports() -> None:
+    """Imports all that a kinematic trial needs: neither MuJoCo nor Rerun."""
+    import trials.kinematic.loop
+    import trials.series  # noqa: F401
+
+
+def imports_of(trials: Sequence[Trial]) -> Callable[[], None]:
+    """What fills a worker for these trials."""
+    return kinematic_imports if all(map(is_kinematic, trials)) else imports
 
 
 def attempt(run: Job, trial: dict[str, Any], scans: str, record: bool) -> WorkerOutput:
@@ -88,10 +102,9 @@ def run_packed(trial: dict[str, Any], scans: str, record: bool) -> WorkerOutput:
 
     Raises what the trial raises, and `StorageError` if the temporary folder does not take its recording.
     """
-    from trials import series
-    from trials.loop import run_trial
+    from trials import series, simulations
 
-    result = run_trial(Trial.from_dict(trial), scans=scans if record else "none")
+    result = simulations.run_trial(Trial.from_dict(trial), scans=scans if record else "none")
     ran = perf_counter()
     packed = series.pack(result)
     kept = perf_counter()
@@ -103,7 +116,14 @@ def run_packed(trial: dict[str, Any], scans: str, record: bool) -> WorkerOutput:
 def warm_up(trials: list[dict[str, Any]], run: Job) -> None:
     """Fills the compiled cache: a moment of each of the trials. What fails here will say so in its trial."""
     for trial in trials:
-        attempt(run, {**trial, "duration_s": min(WARM_UP_S, trial["duration_s"])}, "none", False)
+        attempt(run, moment(trial), "none", False)
+
+
+def moment(trial: dict[str, Any]) -> dict[str, Any]:
+    """The first moment of a trial, for whatever wants it run quickly."""
+    if trial.get("simulation", PHYSICS) == PHYSICS:
+        return {**trial, "duration_s": min(WARM_UP_S, trial["duration_s"])}
+    return {**trial, "kinematics": {**trial["kinematics"], "steps": WARM_UP_STEPS, "every": 1}}
 
 
 def told(error: BaseException) -> str:
@@ -121,12 +141,12 @@ def one_line(text: str) -> str:
 
 
 def _recorded(result: TrialResult) -> bytes:
-    from trials.recordings import write
+    from trials.simulations import record
 
     try:
         with tempfile.TemporaryDirectory(prefix="herd-") as folder:
             path = Path(folder) / "trial.rrd"
-            write(result, path)
+            record(result, path)
             return path.read_bytes()
     except OSError as error:
         raise StorageError(
@@ -137,6 +157,10 @@ def _recorded(result: TrialResult) -> bytes:
 def limit_s(trial: Trial) -> float:
     """Wall time (s) after which a trial counts as hung: some hundred times what it takes."""
     robots = sum(group.count for group in trial.groups)
+    if is_kinematic(trial):
+        from trials.kinematic.fields import of_trial
+
+        return 60.0 + of_trial(trial).steps * robots * (1e-3 + 1e-5 * robots)
     return 60.0 + trial.duration_s * (1.0 + robots / 10.0)
 
 

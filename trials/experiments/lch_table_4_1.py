@@ -1,0 +1,24 @@
+"""LCH, table 4.1 of Fine 2015: four variations, two sensing ranges, two starts, ten trials each: 160 simulations.
+
+Fifty members, 75 synchronous steps, without a limit to the field of view. Repeat r has the same start in all cells of
+one formation. The publication gives neither the step d nor where the groups stand: see the laws and the formation.
+"""
+
+from __future__ import annotations
+
+from trials.kinematic.fields import group, trial
+from trials.types import Trial
+
+REPEATS = 10
+RECORD = "first"
+CONDITIONS = {
+    "formation": ("single-group", "split-group"),
+    "herd.law": ("lch-group-pose", "lch-group-bearing", "lch-member-pose", "lch-member-bearing"),
+    "herd.selection": ("distance-based(0, 3)", "distance-based(0, 3000)"),
+}
+KEY_MEASURES = ("mmd_end", "mmd_start", "groups_end", "largest_share_end")
+
+
+def base(repeat: int) -> Trial:
+    """Fifty members in unbounded space."""
+    return trial("lch-table-4-1", repeat, [group("lch-group-pose", 50)], world="unbounded", steps=75)

@@ -1,0 +1,1 @@
+"""Kinematic trials: herds of `flocking.kinematic` as experiments, without MuJoCo, robots or sensors."""

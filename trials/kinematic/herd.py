@@ -1,0 +1,138 @@
+"""A kinematic trial's names and numbers made into what `flocking.kinematic` takes."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from flocking import lawentry, selection
+from flocking.errors import InputError, unknown_name
+from flocking.kinematic import Band, Space
+from flocking.lawentry import OF_MEMBERS
+from flocking.parameters import declared, filled
+from flocking.types import Floats, Ints
+from trials.kinematic import fields, formations
+from trials.streams import Purpose, stream
+from trials.types import Group, Trial
+
+BEARINGS_ALONE = frozenset({"bearings", "positions", "ids"})
+"""What is known of neighbours where poses are not: a position then stands at the assumed distance."""
+MOST_KEPT = 100_000_000
+"""Members times moments kept: some 5 GB while the trial runs."""
+
+
+@dataclass(frozen=True)
+class Herd:
+    """All that `flocking.kinematic.simulate` needs."""
+
+    bands: list[Band]
+    space: Space
+    poses_w: Floats
+    """(N, 3) at the start."""
+    speeds: Floats
+    """(N,) at the start, m/s."""
+    fields: fields.TrialFields
+    kinds: Ints
+    """(N,) number of each member's kind: its group, and within it whether it is informed."""
+
+
+def assemble(trial: Trial) -> Herd:
+    """Builds the herd of a trial. Raises `InputError` for names and numbers that do not exist or fit."""
+    space = _space(trial)
+    poses_w = _start(trial, space)
+    centre = np.zeros(2) if space.kind == "unbounded" else np.full(2, space.size_m / 2.0)
+    bands = [_band(group, centre) for group in trial.groups]
+    speeds = np.repeat([fields.of_group(group).speed_m_s for group in trial.groups], [b.count for b in bands])
+    kinds = [2 * g + (np.isfinite(_goals(band)).all(axis=1)) for g, band in enumerate(bands)]
+    return Herd(bands, space, poses_w, speeds, fields.of_trial(trial), np.concatenate(kinds))
+
+
+def check(trial: Trial) -> None:
+    """Refuses a trial whose names and numbers do not fit one another, without compiling anything: `InputError`."""
+    if not trial.groups:
+        raise InputError("the trial has no members: expected a group")
+    for name, value, valid in (
+        ("world", trial.world, fields.SPACES),
+        ("formation", trial.formation, fields.FORMATIONS),
+    ):
+        if value not in valid:
+            raise unknown_name(name, value, valid)
+    given = fields.of_trial(trial)
+    count = sum(group.count for group in trial.groups)
+    if count * (given.steps // given.every + 1) > MOST_KEPT:
+        raise InputError(
+            f"{count} members at {given.steps // given.every + 1} moments: expected at most {MOST_KEPT} positions "
+            f"to keep, as with --set every={math.ceil(count * given.steps / MOST_KEPT)}"
+        )
+    for group in trial.groups:
+        if group.pipeline not in fields.DETECTIONS:
+            raise unknown_name("pipeline", group.pipeline, fields.DETECTIONS)
+        _check_law(group)
+    _start(trial, _space(trial))
+
+
+def _check_law(group: Group) -> None:
+    """Refuses a law that needs what is not known, and a selection that it cannot use."""
+    module = lawentry.module_of(group.law, group.law_source)
+    names = list(declared(module.Parameters))
+    filled(module.Parameters, group.law_parameters, prefix=f"{group.name}.law.")
+    selection.parse_sets(group.selection, lawentry.sets_of(module), names)
+    needs = frozenset(getattr(module, "NEEDS", {"positions"})) & OF_MEMBERS
+    missing = needs - BEARINGS_ALONE if fields.of_group(group).information == "bearings" else frozenset()
+    if missing:
+        raise InputError(
+            f"law {group.law!r} needs {' and '.join(sorted(missing))} of its neighbours, which bearings do not give; "
+            f"expected --set {group.name}.information=poses"
+        )
+
+
+def _start(trial: Trial, space: Space) -> Floats:
+    count = sum(group.count for group in trial.groups)
+    rng = stream(trial.seed, trial.repeat, 0, 0, Purpose.START)
+    size = space.size_m if space.kind != "unbounded" else math.inf
+    return formations.poses(trial.formation, fields.formation_of(trial), count, size, rng)
+
+
+def _space(trial: Trial) -> Space:
+    kind, given = fields.space_of(trial), fields.world_of(trial)
+    if kind == "unbounded":
+        return Space()
+    if kind != "obstacles":
+        return Space(kind, given.size_m)
+    rng = stream(trial.seed, trial.repeat, 0, 0, Purpose.WORLD)
+    return Space("bounded", given.size_m, formations.walls(given.walls, given.length_m, given.size_m, rng))
+
+
+def _band(group: Group, centre: Floats) -> Band:
+    given = fields.of_group(group)
+    goals = np.full((group.count, 2), np.nan)
+    goals[: round(given.informed_share * group.count)] = centre + np.array([given.goal_x_m, given.goal_y_m])
+    return Band(
+        law=lawentry.load(group.law, group.law_source),
+        count=group.count,
+        parameters=group.law_parameters,
+        selection=group.selection,
+        cruise_m_s=_limit(given.cruise_m_s),
+        max_speed_m_s=_limit(given.max_speed_m_s),
+        max_turn_rate_rad_s=_limit(given.max_turn_rate_rad_s),
+        radius_m=given.radius_m,
+        goals_w=goals,
+        role=given.role,
+        detection=group.pipeline,
+        information=given.information,
+        assumed_distance_m=given.assumed_distance_m,
+        silhouette_m=given.silhouette_m,
+        sight_m=_limit(given.sight_m),
+        obstacles=given.obstacles,
+    )
+
+
+def _goals(band: Band) -> Floats:
+    assert band.goals_w is not None
+    return band.goals_w
+
+
+def _limit(value: float) -> float:
+    return value if value > 0.0 else math.inf
