@@ -20,8 +20,6 @@ Everything is sent in columns: a call an entity, not a call a row.
 
 from __future__ import annotations
 
-import hashlib
-import json
 from pathlib import Path
 
 import numpy as np
@@ -33,9 +31,8 @@ from flocking.types import Bools, Floats
 from trials import recorded_senses, screen
 from trials.columns import packed, series, times_column
 from trials.measures import GROUP_CUT_M
-from trials.types import Trial, TrialResult
-
-APPLICATION = "create-herd"
+from trials.recording_file import opened
+from trials.types import TrialResult
 
 WALL_COLOUR = 0x6E7B8BFF
 PATH_ALPHA = 0x50
@@ -57,41 +54,13 @@ def write(result: TrialResult, path: Path) -> None:
     It holds the scans that `result.scans` holds; of a failed trial what there is. Raises `OSError` where the
     file cannot be written whole.
     """
-    trial = result.trial
-    strict = rr.strict_mode()
-    rr.set_strict_mode(True)  # a wrong call raises; by default it only prints a warning and the data is lost
-    try:
-        recording = rr.RecordingStream(
-            APPLICATION,
-            recording_id=recording_id(trial),
-            send_properties=False,
-        )
-        try:
-            recording.save(path)
-            recording.send_blueprint(screen.blueprint(result))  # active: an older layout must not stay
-            recording.send_recording_name(f"{trial.experiment} {trial.index}")
-            _world(recording, result)
-            _robots(recording, result)
-            recorded_senses.send_updates(recording, result)
-            recorded_senses.send_scans(recording, result)
-            _contacts(recording, result)
-            _plots(recording, result)
-            recording.flush()
-            recording.disconnect()
-        except RuntimeError as error:  # what the writing thread says of a full disk or a missing folder
-            raise OSError(f"cannot write {path}: {error}") from error
-    finally:
-        rr.set_strict_mode(strict)
-    with path.open("rb") as file:
-        file.seek(-min(16, path.stat().st_size), 2)
-        if b"FOOT" not in file.read():
-            raise OSError(f"cannot write {path}: the file was cut short")
-
-
-def recording_id(trial: Trial) -> str:
-    """The same for the same trial, different for different ones: the viewer merges recordings of one id."""
-    content = json.dumps(trial.as_dict(), sort_keys=True, default=str).encode()
-    return f"{trial.experiment}-{trial.index:04d}-{hashlib.blake2b(content, digest_size=6).hexdigest()}"
+    with opened(result.trial, path, screen.blueprint(result)) as recording:
+        _world(recording, result)
+        _robots(recording, result)
+        recorded_senses.send_updates(recording, result)
+        recorded_senses.send_scans(recording, result)
+        _contacts(recording, result)
+        _plots(recording, result)
 
 
 def _world(recording: rr.RecordingStream, result: TrialResult) -> None:

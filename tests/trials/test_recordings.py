@@ -15,7 +15,8 @@ from flocking import measures
 from flocking.types import Kind
 from tests.trials.synthetic import synthetic_result
 from trials.recorded_senses import DENSE_INPUTS, INTENSITY_PALETTE, SPARSE_INPUTS
-from trials.recordings import PLOT_SAMPLES, recording_id, rule_shares, write
+from trials.recording_file import recording_id
+from trials.recordings import PLOT_SAMPLES, rule_shares, write
 from trials.types import Contacts, TrialResult
 
 F32 = 4e-6
