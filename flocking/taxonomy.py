@@ -29,7 +29,7 @@ class Validation(NamedTuple):
     """The row of table 3.4: how a model was validated by its authors."""
 
     method: str
-    """Letters of M (mathematical), S (simulation), P (physical), as in `SP`."""
+    """Letters of M (mathematical), S (simulation), P (physical), as in `SP`; `-`: nobody has."""
     synchronous: bool
     position: str
     """`global`, `local`, `inferred`, `constant` or `-`."""
