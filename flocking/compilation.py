@@ -72,3 +72,21 @@ def compiled(function: Callable[..., Any]) -> Any:
     `.py_func` is the plain one.
     """
     return numba.njit(cache=True, error_model="numpy")(function)
+
+
+def borrowing(function: Callable[..., Any]) -> Any:
+    """The same for inner loops that allocate nothing: no references are counted, which would cost them most.
+
+    What such a function calls is compiled likewise, but for what is `allocating`.
+    """
+    return numba.njit(cache=True, error_model="numpy", _nrt=False)(function)
+
+
+def inlined(function: Callable[..., Any]) -> Any:
+    """The same as `borrowing`, put in place of each call: for stages that hand on a great many arrays."""
+    return numba.njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)(function)
+
+
+def allocating(function: Callable[..., Any]) -> Any:
+    """The same as `compiled` for what makes arrays or lists, though it may be called by what is `borrowing`."""
+    return numba.njit(cache=True, error_model="numpy", _nrt=True)(function)

@@ -58,14 +58,14 @@ if _module is None:
     _module = importlib.util.module_from_spec(_spec)
     sys.modules[{module!r}] = _module
     _spec.loader.exec_module(_module)
-law = numba.njit(_module.law, boundscheck={boundscheck})
+law = numba.njit(_module.law, boundscheck={boundscheck}, _nrt={allocates})
 Parameters = _module.Parameters
 
 
-@numba.njit({signature!r}, cache=True, boundscheck={boundscheck})
+@numba.njit({signature!r}, cache=True, boundscheck={boundscheck}, _nrt={allocates})
 def entry(own, positions, bearings, headings, velocities, ids, sets, obstacles, parameters, memory, u, motion):
     decided = law(
-        Own(own[0:2], own[2], own[3], own[4:6], own[6:8] > 0.5, own[8], int(own[9]), int(own[10])),
+        Own(own[0:2], own[2], own[3], own[4:6], (own[6] > 0.5, own[7] > 0.5), own[8], int(own[9]), int(own[10])),
         Members(positions, bearings, headings, velocities, ids),
         sets,
         Obstacles(obstacles),
@@ -282,24 +282,13 @@ def _compile(name: str, module: ModuleType, path: Path, *, boundscheck: bool) ->
     except InputError as error:
         raise InputError(f"law file {name!r}: SETS: {error}") from None
     values = ", ".join(f"{field.type.__name__}(parameters[{i}])" for i, field in enumerate(fields.values()))
-    text = _TEMPLATE.format(
-        module=module.__name__,
-        path=str(path),
-        signature=ENTRY_SIGNATURE,
-        values=values,
-        boundscheck=boundscheck,
-    )
-    digest = hashlib.sha256((text + path.read_text(encoding="utf-8")).encode()).hexdigest()[:16]
-    entry_path = _written(f"entry_{path.stem}_{digest}", text)
-    spec = importlib.util.spec_from_file_location(entry_path.stem, entry_path)
-    assert spec is not None
-    assert spec.loader is not None
-    generated = importlib.util.module_from_spec(spec)
-    sys.modules[entry_path.stem] = generated
     try:
-        spec.loader.exec_module(generated)
-    except Exception as error:
-        raise InputError(f"law {name!r} does not compile: {_first_line(error)}") from None
+        entry = _entry(module, path, values, boundscheck, allocates=False)
+    except Exception:  # perhaps because it makes arrays: references must then be counted
+        try:
+            entry = _entry(module, path, values, boundscheck, allocates=True)
+        except Exception as error:
+            raise InputError(f"law {name!r} does not compile: {_first_line(error)}") from None
     return Law(
         name=name,
         module=module,
@@ -308,8 +297,30 @@ def _compile(name: str, module: ModuleType, path: Path, *, boundscheck: bool) ->
         memory=int(getattr(module, "MEMORY", 0)),
         draws=int(getattr(module, "DRAWS", 0)),
         needs=needs,
-        entry=generated.entry,
+        entry=entry,
     )
+
+
+def _entry(module: ModuleType, path: Path, values: str, boundscheck: bool, allocates: bool) -> Callable[..., None]:
+    """The law behind the entry's signature, compiled or taken from the cache."""
+    text = _TEMPLATE.format(
+        module=module.__name__,
+        path=str(path),
+        signature=ENTRY_SIGNATURE,
+        values=values,
+        boundscheck=boundscheck,
+        allocates=allocates,
+    )
+    digest = hashlib.sha256((text + path.read_text(encoding="utf-8")).encode()).hexdigest()[:16]
+    entry_path = _written(f"entry_{path.stem}_{digest}", text)
+    spec = importlib.util.spec_from_file_location(entry_path.stem, entry_path)
+    assert spec is not None
+    assert spec.loader is not None
+    generated = importlib.util.module_from_spec(spec)
+    sys.modules[entry_path.stem] = generated
+    spec.loader.exec_module(generated)
+    entry: Callable[..., None] = generated.entry
+    return entry
 
 
 def _written(stem: str, text: str) -> Path:

@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from enum import IntEnum
 
-from flocking.compilation import compiled
+from flocking.compilation import allocating, borrowing, compiled
 from flocking.geometry import before
 from flocking.types import Bools, Floats, Ints
 
@@ -55,11 +55,11 @@ def keep_within(positions: Floats, low_m: float, high_m: float, mask: Bools) -> 
     """DistanceBased(): members at a distance in [low, high)."""
     for j in range(len(mask)):
         if mask[j]:
-            d = math.hypot(positions[j, 0], positions[j, 1])
+            d = math.sqrt(positions[j, 0] * positions[j, 0] + positions[j, 1] * positions[j, 1])
             mask[j] = low_m <= d < high_m
 
 
-@compiled
+@allocating
 def keep_nearest(positions: Floats, k: int, mask: Bools) -> None:
     """k-Nearest(): the k nearest members; of equally near ones the one with the smaller position first."""
     chosen = mask.copy()
@@ -109,7 +109,7 @@ def keep_sector(bearings: Floats, from_rad: float, to_rad: float, mask: Bools) -
             mask[j] = (bearings[j] - from_rad) % (2.0 * math.pi) < width
 
 
-@compiled
+@allocating
 def keep_unoccluded(positions: Floats, radius_m: float, mask: Bools) -> None:
     """Members whose centre is in sight: no nearer member's disc of that radius covers the line to it."""
     chosen = mask.copy()
@@ -129,7 +129,7 @@ def keep_unoccluded(positions: Floats, radius_m: float, mask: Bools) -> None:
                 mask[j] = False
 
 
-@compiled
+@allocating
 def keep_densest(positions: Floats, bearings: Floats, threshold: float, by_angle: bool, mask: Bools) -> None:
     """MaxConnComponent(): the largest component of the members linked up to the threshold.
 
@@ -204,7 +204,7 @@ def _less(a0: float, b0: float, a1: float, b1: float, a2: float, b2: float, a3: 
     return False
 
 
-@compiled
+@borrowing
 def keep(
     step: int,
     given: Floats,

@@ -240,7 +240,7 @@ def tessellated(positions: Floats, period_m: float = 0.0) -> Bools:
     if period_m > 0.0:
         shifts = period_m * np.array([(x, y) for x in (0.0, 1.0, -1.0) for y in (0.0, 1.0, -1.0)])
         images = tessellated((positions[None] + shifts[:, None]).reshape(-1, 2))
-        folded: Bools = images[:count].reshape(count, len(shifts), count).any(axis=1)
+        folded = np.asarray(images[:count].reshape(count, len(shifts), count).any(axis=1), dtype=np.bool_)
         np.fill_diagonal(folded, False)
         return folded
     touching = np.zeros((count, count), dtype=np.bool_)

@@ -51,7 +51,7 @@ class Own(NamedTuple):
     goal: Floats
     """(2,) position of its goal, m; nan where it has none."""
     contacts: Bools
-    """(2,) left and right bumper pressed since the last update."""
+    """(2,) left and right bumper pressed since the last update; compiled laws get a pair."""
     dt: float
     """Time since its last update, s."""
     id: int

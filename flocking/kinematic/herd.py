@@ -223,7 +223,7 @@ def simulate(
         if said is not None:
             said(done)
         piece = max(1, min(int(PIECE_S / max(took / chunk, 1e-9)) // every, 4 * piece, run.most_steps // every))
-    times = np.arange(frames + 1) * (every * dt_s)
+    times = np.arange(frames + 1, dtype=np.float64) * (every * dt_s)
     return History(times, tracks[..., :2].copy(), tracks[..., 2].copy(), tracks[..., 3:].copy())
 
 

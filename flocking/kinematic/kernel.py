@@ -7,6 +7,7 @@ The kernel is compiled once for all laws: it takes a law through the one signatu
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numba
@@ -15,13 +16,13 @@ from numba.core import sigutils, types
 
 from flocking.angles import wrap
 from flocking.avoidance import avoid, virtual_members
-from flocking.compilation import compiled
+from flocking.compilation import borrowing, compiled, inlined
 from flocking.kinematic import arrays, detection
 from flocking.kinematic.arrays import BEARINGS, Bodies, Limits, Minds, Place, Stages
 from flocking.kinematic.cells import Cells, binned, nearby
 from flocking.kinematic.motion import move, nearest_point, shortest
 from flocking.lawentry import ENTRY_SIGNATURE, OWN_SIZE
-from flocking.perception import ARGUMENTS, keep
+from flocking.perception import ARGUMENTS, Step, keep
 from flocking.types import ANONYMOUS, Bools, Floats, Ints, Kind
 
 PAD = 0.25
@@ -84,34 +85,44 @@ def scratch(count: int, sets: int, walls: int, beams: int) -> Scratch:
     )
 
 
-@compiled
-def candidates(i: int, bodies: Bodies, cells: Cells, place: Place, reach: float, room: Scratch) -> int:
+@borrowing
+def candidates(
+    i: int,
+    positions: Floats,
+    members: Ints,
+    cells: Cells,
+    period: float,
+    reach: float,
+    near: Ints,
+    found: Ints,
+    seen: Floats,
+) -> int:
     """Writes who is within reach of member i, and where from it (world axes); returns their number."""
-    x, y = bodies.positions[i, 0], bodies.positions[i, 1]
+    x, y = positions[i, 0], positions[i, 1]
     squared, count = reach * reach, 0
     if cells.columns == 0:
-        for j in range(len(bodies.positions)):
-            dx = shortest(bodies.positions[j, 0] - x, place.period)
-            dy = shortest(bodies.positions[j, 1] - y, place.period)
+        for j in range(len(positions)):
+            dx = shortest(positions[j, 0] - x, period)
+            dy = shortest(positions[j, 1] - y, period)
             if j != i and dx * dx + dy * dy <= squared:
-                room.candidates[count] = j
-                room.seen[count, 0], room.seen[count, 1] = dx, dy
+                found[count] = j
+                seen[count, 0], seen[count, 1] = dx, dy
                 count += 1
         return count
-    pieces = nearby(cells, x, y, place.period, room.near)
+    pieces = nearby(cells, x, y, period, near)
     for p in range(0, pieces, 2):
-        for k in range(room.near[p], room.near[p + 1]):
-            j = cells.members[k]
-            dx = shortest(bodies.positions[j, 0] - x, place.period)
-            dy = shortest(bodies.positions[j, 1] - y, place.period)
-            if j != i and dx * dx + dy * dy <= squared:
-                room.candidates[count] = j
-                room.seen[count, 0], room.seen[count, 1] = dx, dy
+        for k in range(near[p], near[p + 1]):
+            j = members[k]
+            dx = shortest(positions[j, 0] - x, period)
+            dy = shortest(positions[j, 1] - y, period)
+            if dx * dx + dy * dy <= squared and j != i:
+                found[count] = j
+                seen[count, 0], seen[count, 1] = dx, dy
                 count += 1
     return count
 
 
-@compiled
+@borrowing
 def obstacles_seen(x: float, y: float, c: float, s: float, walls: Floats, sight: float, points: Floats) -> int:
     """Writes the nearest point of each wall within sight, body frame; returns their number."""
     count = 0
@@ -124,26 +135,78 @@ def obstacles_seen(x: float, y: float, c: float, s: float, walls: Floats, sight:
     return count
 
 
-@compiled
+@borrowing
+def turn_all(vectors: Floats, count: int, c: float, s: float, out: Floats) -> None:
+    """Writes the first `count` vectors (world axes) in the axes of a body whose heading has that cosine and sine."""
+    for k in range(count):
+        dx, dy = vectors[k, 0], vectors[k, 1]
+        out[k, 0], out[k, 1] = c * dx + s * dy, c * dy - s * dx
+
+
+@borrowing
+def describe(
+    heading: float,
+    c: float,
+    s: float,
+    found: int,
+    sources: Ints,
+    all_headings: Floats,
+    all_velocities: Floats,
+    headings: Floats,
+    velocities: Floats,
+    ids: Ints,
+) -> None:
+    """Writes heading, velocity (body axes) and id of each input from the member that it is of."""
+    for k in range(found):
+        j = sources[k]
+        headings[k] = wrap(all_headings[j] - heading)
+        vx, vy = all_velocities[j, 0], all_velocities[j, 1]
+        velocities[k, 0], velocities[k, 1] = c * vx + s * vy, c * vy - s * vx
+        ids[k] = j
+
+
+@borrowing
+def at_distance(positions: Floats, count: int, distance: float) -> None:
+    """Puts the first `count` positions at that distance, each at its bearing."""
+    for k in range(count):
+        d = math.hypot(positions[k, 0], positions[k, 1])
+        if d > 0.0:
+            positions[k, 0] *= distance / d
+            positions[k, 1] *= distance / d
+
+
+@borrowing
+def take_bearings(positions: Floats, count: int, bearings: Floats) -> None:
+    """Writes the bearing of the first `count` positions."""
+    for k in range(count):
+        bearings[k] = math.atan2(positions[k, 1], positions[k, 0])
+
+
+@borrowing
+def owners_of(found: int, candidates_: Ints, sources: Ints) -> None:
+    """Turns rows of the candidates into members."""
+    for k in range(found):
+        sources[k] = candidates_[sources[k]]
+
+
+@inlined
 def detected(i: int, stages: Stages, bodies: Bodies, cells: Cells, place: Place, room: Scratch) -> int:
     """Stage 2: writes the set D of member i in its body frame; returns its size."""
-    count = candidates(i, bodies, cells, place, stages.reach, room)
+    perfect = stages.detection == detection.Detection.PERFECT
+    sources = room.sources if perfect else room.candidates
+    found = candidates(
+        i, bodies.positions, cells.members, cells, place.period, stages.reach, room.near, sources, room.seen
+    )
     heading = bodies.headings[i]
     c, s = math.cos(heading), math.sin(heading)
-    if stages.detection == detection.Detection.PERFECT:
-        for k in range(count):
-            dx, dy = room.seen[k, 0], room.seen[k, 1]
-            room.positions[k, 0], room.positions[k, 1] = c * dx + s * dy, c * dy - s * dx
-            room.sources[k] = room.candidates[k]
-        found = count
+    if perfect:
+        turn_all(room.seen, found, c, s, room.positions)
     else:
-        for k in range(count):
-            dx, dy = room.seen[k, 0], room.seen[k, 1]
-            room.seen[k, 0], room.seen[k, 1] = c * dx + s * dy, c * dy - s * dx
+        turn_all(room.seen, found, c, s, room.seen)
         found = detection.inputs(
             stages.detection,
             room.seen,
-            count,
+            found,
             stages.silhouette,
             stages.sight,
             room.ranges,
@@ -151,27 +214,18 @@ def detected(i: int, stages: Stages, bodies: Bodies, cells: Cells, place: Place,
             room.positions,
             room.sources,
         )
-        for k in range(found):
-            room.sources[k] = room.candidates[room.sources[k]]
-    for k in range(found):
-        j = room.sources[k]
-        room.headings[k] = wrap(bodies.headings[j] - heading)
-        vx, vy = bodies.velocities[j, 0], bodies.velocities[j, 1]
-        room.velocities[k, 0], room.velocities[k, 1] = c * vx + s * vy, c * vy - s * vx
-        room.ids[k] = j
+        owners_of(found, room.candidates, room.sources)
+    describe(
+        heading, c, s, found, room.sources, bodies.headings, bodies.velocities, room.headings, room.velocities, room.ids
+    )
     if stages.information == BEARINGS:
-        for k in range(found):
-            d = math.hypot(room.positions[k, 0], room.positions[k, 1])
-            if d > 0.0:
-                room.positions[k, 0] *= stages.assumed_distance / d
-                room.positions[k, 1] *= stages.assumed_distance / d
+        at_distance(room.positions, found, stages.assumed_distance)
     if stages.bearings:
-        for k in range(found):
-            room.bearings[k] = math.atan2(room.positions[k, 1], room.positions[k, 0])
+        take_bearings(room.positions, found, room.bearings)
     return found
 
 
-@compiled
+@inlined
 def with_virtual(found: int, points: Floats, stages: Stages, room: Scratch) -> int:
     """The set D with a virtual member for each obstacle in sight; returns its size."""
     vx, vy = room.own[0], room.own[1]
@@ -192,36 +246,38 @@ def with_virtual(found: int, points: Floats, stages: Stages, room: Scratch) -> i
     return count
 
 
-@compiled
+@borrowing
+def links(i: int, found: int, graph: Bools, sources: Ints, linked: Bools) -> None:
+    """Writes which inputs are of members that the graph joins to member i."""
+    for k in range(found):
+        linked[k] = sources[k] >= 0 and graph[i, sources[k]]
+
+
+@inlined
 def select(i: int, found: int, stages: Stages, minds: Minds, place: Place, room: Scratch) -> None:
     """Stage 3: writes the masks of all sets into `room.sets`."""
-    for k in range(found):
-        j = room.sources[k]
-        room.linked[k] = j >= 0 and len(place.graph) > 0 and place.graph[i, j]
-        room.tessellated[k] = j >= 0 and len(place.tessellated) > 0 and place.tessellated[i, j]
-    steps = stages.steps
+    if len(place.graph) > 0:
+        links(i, found, place.graph, room.sources, room.linked)
+    if len(place.tessellated) > 0:
+        links(i, found, place.tessellated, room.sources, room.tessellated)
+    steps, given, named = stages.steps, stages.given, stages.named
+    positions, bearings, ids = room.positions[:found], room.bearings[:found], room.ids[:found]
+    linked, tessellated = room.linked[:found], room.tessellated[:found]
+    sets, numbers, parameters = room.sets, room.given, minds.parameters
     for set_ in range(steps.shape[0]):
-        mask = room.sets[set_ * found : (set_ + 1) * found]
-        mask[:] = True
+        mask = sets[set_ * found : (set_ + 1) * found]
+        for k in range(found):
+            mask[k] = True
         for k in range(steps.shape[1]):
-            if steps[set_, k] == 0:
+            if steps[set_, k] == Step.ALL:
                 continue
             for a in range(ARGUMENTS):
-                named = stages.named[set_, k, a]
-                room.given[a] = minds.parameters[i, named] if named >= 0 else stages.given[set_, k, a]
-            keep(
-                steps[set_, k],
-                room.given,
-                room.positions[:found],
-                room.bearings[:found],
-                room.ids[:found],
-                room.linked[:found],
-                room.tessellated[:found],
-                mask,
-            )
+                at = named[set_, k, a]
+                numbers[a] = parameters[i, at] if at >= 0 else given[set_, k, a]
+            keep(steps[set_, k], numbers, positions, bearings, ids, linked, tessellated, mask)
 
 
-@compiled
+@inlined
 def know_oneself(i: int, bodies: Bodies, minds: Minds, dt: float, own: Floats) -> None:
     """Writes what member i knows of itself, as `flocking.lawentry.packed_own` packs it."""
     heading = bodies.headings[i]
@@ -239,9 +295,9 @@ def know_oneself(i: int, bodies: Bodies, minds: Minds, dt: float, own: Floats) -
     own[10] = minds.roles[i]
 
 
-@numba.njit(error_model="numpy")
+@inlined
 def decide(
-    law: object,
+    law: Callable[..., None],
     i: int,
     stages: Stages,
     bodies: Bodies,
@@ -305,7 +361,7 @@ def decide(
     return 0 <= kind <= 5 and abs(motion[1]) + abs(motion[2]) < math.inf
 
 
-@compiled
+@borrowing
 def record(bodies: Bodies, track: Floats) -> None:
     """Writes x, y, heading and velocity of all members into `track` (N, 5)."""
     for i in range(len(bodies.positions)):
@@ -334,7 +390,7 @@ _F, _I = types.float64, types.int64
     error_model="numpy",
 )
 def synchronous(
-    law: object,
+    law: Callable[..., None],
     stages: Stages,
     bodies: Bodies,
     limits: Limits,
@@ -383,7 +439,7 @@ def synchronous(
     error_model="numpy",
 )
 def asynchronous(
-    law: object,
+    law: Callable[..., None],
     stages: Stages,
     bodies: Bodies,
     limits: Limits,

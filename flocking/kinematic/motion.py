@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 
 from flocking.angles import wrap
-from flocking.compilation import compiled
+from flocking.compilation import borrowing
 from flocking.kinematic.arrays import Bodies, Limits, Place
 from flocking.types import Floats, Kind
 
@@ -20,15 +20,15 @@ BOTH_BUMPERS_RAD = math.radians(15.0)
 """A touch this near to the nose presses both bumpers. (choice)"""
 
 
-@compiled
+@borrowing
 def shortest(offset: float, period: float) -> float:
     """An offset in periodic space by the shorter way; as it is where `period` is 0."""
-    if period > 0.0:
+    if abs(offset) > 0.5 * period and period > 0.0:
         return offset - period * math.floor(offset / period + 0.5)
     return offset
 
 
-@compiled
+@borrowing
 def wanted(
     kind: int, x: float, y: float, heading: float, vx: float, vy: float, cruise: float, dt: float
 ) -> tuple[float, float, float]:
@@ -56,7 +56,7 @@ def wanted(
     return vx, vy, heading
 
 
-@compiled
+@borrowing
 def within_limits(
     vx: float, vy: float, heading: float, before: float, max_speed: float, max_turn_rate: float, dt: float
 ) -> tuple[float, float, float]:
@@ -73,7 +73,7 @@ def within_limits(
     return vx, vy, wrap(heading)
 
 
-@compiled
+@borrowing
 def crossing(x: float, y: float, dx: float, dy: float, wall: Floats) -> float:
     """Part of the step (dx, dy) from (x, y) after which it crosses the wall (4,); 2 if it does not.
 
@@ -91,7 +91,7 @@ def crossing(x: float, y: float, dx: float, dy: float, wall: Floats) -> float:
     return 2.0
 
 
-@compiled
+@borrowing
 def first_crossing(x: float, y: float, dx: float, dy: float, walls: Floats) -> tuple[float, int]:
     """The first wall that a step crosses and where; (2, −1) if none."""
     best, which = 2.0, -1
@@ -102,7 +102,7 @@ def first_crossing(x: float, y: float, dx: float, dy: float, walls: Floats) -> t
     return best, which
 
 
-@compiled
+@borrowing
 def along_walls(x: float, y: float, dx: float, dy: float, walls: Floats) -> tuple[float, float, float, float]:
     """The step that walls leave of (dx, dy), and the direction of the one that was hit first, (0, 0) if none.
 
@@ -134,7 +134,7 @@ def along_walls(x: float, y: float, dx: float, dy: float, walls: Floats) -> tupl
     return first_x + slide_x, first_y + slide_y, hit_x, hit_y
 
 
-@compiled
+@borrowing
 def out_of_walls(x: float, y: float, radius: float, walls: Floats) -> tuple[float, float, float, float]:
     """A disc's centre pushed out of the walls that it overlaps, and the direction of the deepest, (0, 0) if none."""
     hit_x, hit_y, deepest = 0.0, 0.0, 0.0
@@ -149,7 +149,7 @@ def out_of_walls(x: float, y: float, radius: float, walls: Floats) -> tuple[floa
     return x, y, hit_x, hit_y
 
 
-@compiled
+@borrowing
 def nearest_point(x: float, y: float, wall: Floats) -> tuple[float, float]:
     """The point of the wall (4,) that is nearest to (x, y)."""
     ex, ey = wall[2] - wall[0], wall[3] - wall[1]
@@ -161,7 +161,7 @@ def nearest_point(x: float, y: float, wall: Floats) -> tuple[float, float]:
     return wall[0] + part * ex, wall[1] + part * ey
 
 
-@compiled
+@borrowing
 def until_touch(
     i: int, x: float, y: float, dx: float, dy: float, positions: Floats, limits: Limits, period: float
 ) -> tuple[float, float, float]:
@@ -192,7 +192,7 @@ def until_touch(
     return part, hit_x, hit_y
 
 
-@compiled
+@borrowing
 def press(bodies: Bodies, i: int, hit_x: float, hit_y: float) -> None:
     """Presses the bumpers of member i on the side of a touch in that direction (world)."""
     bearing = wrap(math.atan2(hit_y, hit_x) - bodies.headings[i])
@@ -203,7 +203,7 @@ def press(bodies: Bodies, i: int, hit_x: float, hit_y: float) -> None:
             bodies.contacts[i, 1] = True
 
 
-@compiled
+@borrowing
 def move(
     i: int, kind: int, x: float, y: float, bodies: Bodies, others: Floats, limits: Limits, place: Place, dt: float
 ) -> None:
