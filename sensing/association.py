@@ -9,11 +9,15 @@ in between follows its velocity. The document says no more, and what follows are
 - The last bodies are carried on by their own velocity and brought into the present frame by the own motion. Pairs
   are those with the least sum of distances (SciPy's linear assignment); a pair farther apart than `gate_m` and the way
   at top speed since the body was last seen is none.
-- A velocity over ground is the displacement over its time. Smoothed (`exponential`), the mean of the new one and
-  those before, weighted by exp(-age / `smoothing_s`); the first one is taken as it is.
+- A velocity over ground is the displacement over its time, at most the top speed. Smoothed (`exponential`), it is the
+  mean of the new one and those before, weighted by exp(-age / `smoothing_s`); the first one is taken as it is.
 - The heading is the direction of the velocity where that is faster than `moving_m_s`, else the last one known: a
   Create does not drive backwards. A member that has not moved since it came into view has no heading.
 - A body out of sight is remembered for `memory_s`; 0: for pairs of consecutive detections only.
+
+Six Creates under Couzin's law in the corridor, member-based detection, three trials of 20 s: half of the velocities err
+by less than 0.06 m/s and nine in ten by less than 0.17 (0.04 and 0.10 with the true own motion; 0.07 and 0.27 from two
+scans alone); half of the headings of members faster than 0.1 m/s err by less than 10 degrees.
 
 Metres, seconds, radians; body frame.
 """
@@ -34,6 +38,8 @@ from sensing.types import NOBODY, Detection
 SMOOTHINGS = ("exponential", "none")
 NO_PAIR = 1e6
 """Cost of a pair outside its gate, m: more than any sum of pairs inside."""
+TINY = 1e-12
+"""m/s: no speed at all."""
 
 
 class Parameters(NamedTuple):
@@ -53,7 +59,7 @@ class Parameters(NamedTuple):
     smoothing: Annotated[
         str, Parameter("", "choice: of two scans alone the noise is as large as a velocity", choices=SMOOTHINGS)
     ] = "exponential"
-    smoothing_s: Annotated[float, Parameter("s", "choice: five scans", low=1e-3)] = 0.5
+    smoothing_s: Annotated[float, Parameter("s", "choice: three scans", low=1e-3)] = 0.3
     moving_m_s: Annotated[
         float, Parameter("m/s", "choice: a fifth of the cruising speed, above the noise of the velocity", low=0.0)
     ] = 0.05
@@ -127,6 +133,7 @@ class Association:
             costs,
             old.astype(np.int64),
             new.astype(np.int64),
+            about.top_speed_m_s,
             self._smoothing_s,
             about.moving_m_s,
             about.memory_s,
@@ -208,6 +215,7 @@ def _followed(
     costs: Floats,
     old: Ints,
     new: Ints,
+    top_speed: float,
     smoothing: float,
     moving: float,
     memory: float,
@@ -234,6 +242,8 @@ def _followed(
             continue
         time = elapsed + bodies.ages[b]
         x, y = (centres[row, 0] - stood[b, 0]) / time, (centres[row, 1] - stood[b, 1]) / time
+        share = min(1.0, top_speed / max(math.hypot(x, y), TINY))
+        x, y = share * x, share * y
         if smoothing > 0.0 and not math.isnan(bodies.velocities[b, 0]):
             kept = math.exp(-time / smoothing)
             vx, vy = bodies.velocities[b, 0], bodies.velocities[b, 1]
