@@ -7,9 +7,9 @@ After a contact the member stands for the waiting time, backs off for a while an
 side that was pressed (a drawn side if both were), then goes straight ahead again. A new contact counts from then on.
 
 Two ways in which contact could make a group, each a parameter: waiting makes members gather where they meet, for one
-that waits is met by others; small turns make those that collide part at a smaller angle than they met at, as discs
-that collide without bouncing align. With `turn_with` true the turn is towards the pressed side: two that brush against
-each other go on side by side or push. A wall cannot be told from a member.
+that waits is met by others; and two that turn away by less than the angle at which they met part at a smaller one. With
+`turn_with` true the turn is towards the pressed side: two that brush against each other push. A wall cannot be told
+from a member.
 
 Reads the contacts and, to know when it has turned, its own turn rate. Neighbours do not matter.
 """
@@ -33,6 +33,8 @@ DRAWS = 2
 OURS = "our choice: the question has no numbers"
 ENOUGH_RAD = 1e-6
 """A turn within this of its angle is done."""
+OVER_S = 1e-6
+"""A time of which less than this is left is over."""
 
 
 class Parameters(NamedTuple):
@@ -77,7 +79,7 @@ def law(
 ) -> Motion:
     """What comes next after the last contact."""
     left, right = own.contacts[0], own.contacts[1]
-    idle = memory[WAIT_LEFT] <= 0.0 and memory[BACK_LEFT] <= 0.0 and memory[PATIENCE] <= 0.0
+    idle = max(memory[WAIT_LEFT], memory[BACK_LEFT], memory[PATIENCE]) <= OVER_S
     if idle and (left or right):
         spread = parameters.turn_most_rad - parameters.turn_least_rad
         turn = parameters.turn_least_rad + spread * abs(2.0 * u[0] - 1.0)
@@ -86,15 +88,15 @@ def law(
             turn = -turn
         memory[WAIT_LEFT], memory[BACK_LEFT] = parameters.wait_s, parameters.back_s
         memory[TURN_LEFT], memory[PATIENCE] = turn, parameters.patience_s
-    elif memory[WAIT_LEFT] <= 0.0 and memory[BACK_LEFT] <= 0.0 and memory[PATIENCE] < parameters.patience_s:
+    elif max(memory[WAIT_LEFT], memory[BACK_LEFT]) <= OVER_S and memory[PATIENCE] < parameters.patience_s:
         memory[TURN_LEFT] -= own.turn_rate * own.dt
-    if memory[WAIT_LEFT] > 0.0:
+    if memory[WAIT_LEFT] > OVER_S:
         memory[WAIT_LEFT] -= own.dt
         return Motion(Kind.STOP, math.nan, math.nan, WAITING)
-    if memory[BACK_LEFT] > 0.0:
+    if memory[BACK_LEFT] > OVER_S:
         memory[BACK_LEFT] -= own.dt
         return Motion(Kind.HEADING, 0.0, -parameters.back_speed_m_s, BACKING)
-    if memory[PATIENCE] > 0.0 and abs(memory[TURN_LEFT]) > ENOUGH_RAD:
+    if memory[PATIENCE] > OVER_S and abs(memory[TURN_LEFT]) > ENOUGH_RAD:
         memory[PATIENCE] -= own.dt
         return Motion(Kind.HEADING, memory[TURN_LEFT], 0.0, TURNING)
     memory[PATIENCE] = 0.0

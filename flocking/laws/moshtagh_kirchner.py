@@ -44,7 +44,7 @@ TURN_MOST_DEG, TURN_LEAST_DEG, TURN_SCALE = 15.0, 5.0, 21.4
 class Parameters(NamedTuple):
     """Of Kirchner's robots."""
 
-    coupling: Annotated[float, Parameter("", "our choice: k of equation 3.8, which has no value", low=0.0)] = 2.0
+    coupling: Annotated[float, Parameter("", "our choice: k of equation 3.8, which has no value", low=0.0)] = 5.0
     nearest_only: Annotated[bool, Parameter("", f"{KIRCHNER}, section 3.6.1.1", published=True)] = True
     view_deg: Annotated[float, Parameter("deg", f"{KIRCHNER}, section 3.1", published=True, low=0.0, high=360.0)] = (
         220.0

@@ -86,15 +86,16 @@ FILLED = (
 HERD = Herd(4.0, 2.7, 0.05)
 CREATE = {
     "separation_m": 0.9,
-    "separation_weight": 0.3,
-    "alignment_m": 3.0,
+    "separation_weight": 0.05,
+    "alignment_m": 2.0,
     "alignment_angle_deg": 90.0,
-    "alignment_weight": 0.2,
+    "alignment_weight": 0.035,
     "cohesion_m": 5.6,
-    "cohesion_weight": 0.2,
-    "top_force_m_s2": 0.7,
+    "cohesion_weight": 0.035,
+    "top_force_m_s2": 0.115,
     "top_speed_m_s": 0.25,
 }
+"""Accelerations are scaled by the square of the speeds over the lengths, which leaves the motion as it is."""
 
 
 def law(
