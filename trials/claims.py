@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 import tomllib
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from importlib import resources
@@ -184,6 +184,15 @@ def same(label: str, differences: Floats, margin: float, decides: bool = True) -
     return Outcome(label, decision, "equivalent", 0.0, margin, decides)
 
 
+def near(label: str, values: Floats, target: float, margin: float, decides: bool = True) -> Outcome:
+    """The outcome that values lie within ±margin of a published number; it shows the values themselves."""
+    decision = statistics.equivalent(np.asarray(values) - target, margin)
+    shown = decision._replace(
+        measured=decision.measured + target, low=decision.low + target, high=decision.high + target
+    )
+    return Outcome(label, shown, "equivalent", target, margin, decides)
+
+
 def more(label: str, values: Floats, margin: float, threshold: float = 0.0, decides: bool = True) -> Outcome:
     """The outcome that values exceed the threshold; an excess below the margin does not count."""
     return Outcome(label, statistics.exceeds(values, threshold, margin), "exceeds", threshold, margin, decides)
@@ -238,6 +247,46 @@ def arms(run: Run, keys: Sequence[str]) -> list[tuple[dict[str, Any], list[Trial
         others = tuple((key, value) for key, value in trial.conditions.items() if key not in keys)
         found.setdefault(others, []).append(trial)
     return [(dict(others), trials) for others, trials in found.items()]
+
+
+class Question(NamedTuple):
+    """A published number or claim, and how it is held against a run."""
+
+    source: str
+    quantity: str
+    words: str
+    """As published."""
+    test: str
+    outcomes: Callable[[], Sequence[Outcome]]
+    """What is tested: all that decide must hold. May raise `UndecidedError`."""
+
+
+def answered(question: Question, cells: Cells, arm: Mapping[str, Any]) -> Entry:
+    """The entry of a question that reads one arm's cells."""
+    cells.begin()
+    try:
+        outcomes = list(question.outcomes())
+    except UndecidedError as why:
+        return undecided(question.source, question.quantity, question.words, str(why), arm)
+    agrees, shown = decided_by_all(outcomes)
+    measured, low, high, margin = shown.shown()
+    failed = cells.failed()
+    left_out = f"; {failed} failed trial{'s' if failed > 1 else ''} left out" if failed else ""
+    return Entry(
+        source=question.source,
+        quantity=f"{question.quantity}: {shown.label}",
+        published=question.words,
+        measured=measured,
+        low=low,
+        high=high,
+        n=shown.decision.n,
+        agrees=agrees,
+        test=f"{question.test}{left_out}",
+        margin=margin,
+        effect=shown.decision.effect,
+        arm=arm,
+        outcomes=tuple(outcomes),
+    )
 
 
 def undecided(source: str, quantity: str, words: str, why: str, arm: Mapping[str, Any]) -> Entry:

@@ -64,12 +64,12 @@ def inputs_over_time(panels: Sequence[tuple[str, TrialResult | None]]) -> Canvas
     As figures 2.6 to 2.9 of Fine 2015. A panel whose trial is None says so.
     """
     columns = min(2, len(panels))
-    canvas, axes = _grid(len(panels), columns, width=8.4, height=2.3, share=True)
+    canvas, axes = grid(len(panels), columns, width=8.4, height=2.3, share=True)
     farthest = 0.0
     for axis, (title, result) in zip(axes, panels, strict=True):
         axis.set_title(title, loc="left")
         if result is None:
-            _absent(axis)
+            absent(axis)
             continue
         updates = result.updates
         of_update = np.repeat(np.arange(len(updates.times)), np.diff(updates.input_starts))
@@ -96,16 +96,16 @@ def trajectories(panels: Sequence[tuple[str, TrialResult | None]], columns: int 
     low, high = np.nanmin(everywhere, axis=0) - 0.5, np.nanmax(everywhere, axis=0) + 0.5
     width = 9.6 / columns
     height = float(np.clip(width * (high - low)[1] / (high - low)[0], 0.6, 1.5 * width)) + 0.2
-    canvas, axes = _grid(len(panels), columns, width=9.6, height=height, share=True)
+    canvas, axes = grid(len(panels), columns, width=9.6, height=height, share=True)
     for axis, (title, result) in zip(axes, panels, strict=True):
         axis.set_title(title, loc="left")
         axis.set_xlim(low[0], high[0])
         axis.set_ylim(low[1], high[1])
         axis.set_aspect("equal", adjustable="box")
         if result is None:
-            _absent(axis)
+            absent(axis)
             continue
-        _walls(axis, result)
+        walls(axis, result)
         for robot, colour in zip(range(len(result.robot_names)), itertools.cycle(ROBOT_COLOURS), strict=False):
             way = result.poses_w[::5, robot]
             axis.plot(way[:, 0], way[:, 1], color=colour, lw=0.7)
@@ -124,7 +124,7 @@ def formations(rows: Sequence[tuple[str, Sequence[tuple[str, TrialResult | None,
     from matplotlib.collections import EllipseCollection, LineCollection
 
     columns = max(len(panels) for _, panels in rows)
-    canvas, axes = _grid(len(rows) * columns, columns, width=9.6, height=1.7)
+    canvas, axes = grid(len(rows) * columns, columns, width=9.6, height=1.7)
     for line, (title, panels) in enumerate(rows):
         for column in range(columns):
             axis = axes[line * columns + column]
@@ -139,7 +139,7 @@ def formations(rows: Sequence[tuple[str, Sequence[tuple[str, TrialResult | None,
             if column == 0:
                 axis.set_ylabel(title)
             if result is None:
-                _absent(axis)
+                absent(axis)
                 continue
             poses = result.poses_w[round(share * (len(result.times) - 1))]
             centre = poses[:, :2].mean(axis=0)
@@ -160,7 +160,7 @@ def formations(rows: Sequence[tuple[str, Sequence[tuple[str, TrialResult | None,
             )
             axis.add_collection(LineCollection(list(np.stack([poses[:, :2], noses], axis=1)), colors="black", lw=0.8))
             reach = max(1.2, 1.1 * float(np.abs(poses[:, :2] - centre).max()) + float(result.radii.max()))
-            _walls(axis, result)
+            walls(axis, result)
             axis.set_xlim(centre[0] - reach, centre[0] + reach)
             axis.set_ylim(centre[1] - 0.8 * reach, centre[1] + 0.8 * reach)
             axis.text(0.98, 0.02, f"{2 * reach:.1f} m wide", transform=axis.transAxes, ha="right", fontsize=6)
@@ -200,7 +200,7 @@ def measures_by_cell(cells: Sequence[Cell], measures: Sequence[str], about: Mapp
     """Means with their 95 % intervals over the numeric condition with most values; a line for each of the
     rest."""
     axis_key, lines = _lines(cells)
-    canvas, axes = _grid(len(measures), min(4, len(measures)), width=9.6, height=2.0)
+    canvas, axes = grid(len(measures), min(4, len(measures)), width=9.6, height=2.0)
     for axis, measure in zip(axes, measures, strict=True):
         unit = about[measure].unit if measure in about else ""
         axis.set_title(f"{measure} ({unit})" if unit else measure, loc="left")
@@ -239,7 +239,7 @@ def _lines(cells: Sequence[Cell]) -> tuple[str | None, dict[str, list[tuple[floa
     return longest, {label: sorted(points, key=lambda point: point[0]) for label, points in lines.items()}
 
 
-def _grid(count: int, columns: int, width: float, height: float, share: bool = False) -> tuple[Canvas, list[Any]]:
+def grid(count: int, columns: int, width: float, height: float, share: bool = False) -> tuple[Canvas, list[Any]]:
     """A figure with `count` axes in rows of `columns`; width of all and height of a row in inches."""
     import matplotlib as mpl
     from matplotlib.figure import Figure as Blank
@@ -253,13 +253,14 @@ def _grid(count: int, columns: int, width: float, height: float, share: bool = F
     return canvas, axes[:count]
 
 
-def _walls(axis: Any, result: TrialResult) -> None:
+def walls(axis: Any, result: TrialResult) -> None:
     """Draws the walls; the limits of the axes are the caller's."""
     from matplotlib.collections import LineCollection
 
-    walls = LineCollection(list(result.walls_w.reshape(-1, 2, 2)), colors="#555555", lw=0.8)
-    axis.add_collection(walls, autolim=False)
+    lines = LineCollection(list(result.walls_w.reshape(-1, 2, 2)), colors="#555555", lw=0.8)
+    axis.add_collection(lines, autolim=False)
 
 
-def _absent(axis: Any) -> None:
+def absent(axis: Any) -> None:
+    """Says that a panel has no trial."""
     axis.text(0.5, 0.5, "no such trial", transform=axis.transAxes, ha="center", va="center", color="#999999")

@@ -77,10 +77,7 @@ def run_trial(trial: Trial, scans: str = "none", reraise: bool = False) -> Trial
 def record(result: TrialResult, path: Path) -> None:
     """Writes the recording of a finished trial."""
     if is_kinematic(result.trial):
-        from trials.kinematic import recordings as kinematic
-
-        kinematic.write(result, path)
+        from trials.kinematic.recordings import write
     else:
-        from trials import recordings as physical
-
-        physical.write(result, path)
+        from trials.recordings import write
+    write(result, path)

@@ -7,14 +7,16 @@ one formation. The publication gives neither the step d nor where the groups sta
 from __future__ import annotations
 
 from trials.kinematic.fields import group, trial
+from trials.lch_claims import FAR, NEAR, claims
+from trials.lch_figures import VARIATIONS, figures
 from trials.types import Trial
 
 REPEATS = 10
 RECORD = "first"
 CONDITIONS = {
     "formation": ("single-group", "split-group"),
-    "herd.law": ("lch-group-pose", "lch-group-bearing", "lch-member-pose", "lch-member-bearing"),
-    "herd.selection": ("distance-based(0, 3)", "distance-based(0, 3000)"),
+    "herd.law": VARIATIONS,
+    "herd.selection": (NEAR, FAR),
 }
 KEY_MEASURES = ("mmd_end", "mmd_start", "groups_end", "largest_share_end")
 
@@ -22,3 +24,6 @@ KEY_MEASURES = ("mmd_end", "mmd_start", "groups_end", "largest_share_end")
 def base(repeat: int) -> Trial:
     """Fifty members in unbounded space."""
     return trial("lch-table-4-1", repeat, [group("lch-group-pose", 50)], world="unbounded", steps=75)
+
+
+__all__ = ["CONDITIONS", "KEY_MEASURES", "RECORD", "REPEATS", "base", "claims", "figures"]

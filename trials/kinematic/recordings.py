@@ -17,12 +17,12 @@ from pathlib import Path
 
 import numpy as np
 import rerun as rr
-from numpy.typing import NDArray
 
 from flocking import measures, measures_groups
-from flocking.types import Bools, Floats, Ints
+from flocking.types import Ints
 from trials.columns import packed, series, times_column
 from trials.kinematic import fields, screen
+from trials.kinematic.tracks import period_of, strips
 from trials.recording_file import opened
 from trials.types import TrialResult
 
@@ -47,24 +47,6 @@ def picked(result: TrialResult) -> Ints:
     """The moments that are recorded: all whose poses are finite, or every so many of them."""
     sound = np.flatnonzero(np.isfinite(result.poses_w).all(axis=(1, 2)))
     return sound[:: max(1, -(-len(sound) * len(result.robot_names) // MOST_ROWS))]
-
-
-def period_of(result: TrialResult) -> float | None:
-    """The side of a periodic world, m."""
-    trial = result.trial
-    return float(fields.world_of(trial).size_m) if fields.space_of(trial) == "periodic" else None
-
-
-def strips(positions: Floats, period: float | None) -> tuple[NDArray[np.float32], Ints]:
-    """The ways from moment to moment of positions (T, N, 2): strips (K, 2, 2) and how many are of each of the T − 1.
-
-    In periodic space those that cross the border are left out.
-    """
-    pairs = np.stack([positions[:-1], positions[1:]], axis=2)
-    kept: Bools = np.ones(pairs.shape[:2], dtype=np.bool_)
-    if period is not None:
-        kept &= (np.abs(pairs[:, :, 1] - pairs[:, :, 0]) < period / 2.0).all(axis=-1)
-    return pairs[kept].astype(np.float32), kept.sum(axis=1)
 
 
 def _world(recording: rr.RecordingStream, result: TrialResult) -> None:
