@@ -21,7 +21,7 @@ _TARGET, _SETPOINT, _ANGLE, _POLLED = 0, 2, 4, 6
 _POSE = 8  # x, y, heading by odometry
 _SINCE = 11  # distance, angle, requests since the velocity was last asked for
 _PRESSED, _LATCHED = 14, 16  # bumpers left, right
-_MEANT = 18  # way of the left and the right wheel by their set-points (rad), and steps, since `own` was last asked
+_MEANT = 18  # way of either wheel by its set-points (rad) since `meant` was last asked, and the step at that time
 _MEANT_POSE = 21  # x, y, heading by the set-points
 _MEANT_RATES = 24  # mean speed and turn rate by the set-points when last asked
 _COLUMNS = 26
@@ -61,7 +61,7 @@ class Fleet:
         first = np.array([model.joint(f"{prefix}root").dofadr[0] for prefix in prefixes], dtype=np.int64)
         self._linear = first.reshape(-1, 1) + np.arange(2)
         self._state = np.zeros((len(prefixes), _COLUMNS))
-        self._clock = np.array([polling_s, 0.0, model.opt.timestep])  # period, requests made, timestep
+        self._clock = np.array([polling_s, 0.0, model.opt.timestep, 0.0])  # period, requests made, timestep, steps
         self._ramp = create.MAX_WHEEL_ACCELERATION / create.WHEEL_RADIUS * model.opt.timestep
         self._last_velocity = np.zeros((len(prefixes), 2))
         self._start(model.qpos0)
@@ -81,7 +81,7 @@ class Fleet:
 
     def before_step(self, data: mujoco.MjData) -> None:
         """Ramp the wheels' set-points towards the commands."""
-        _ramped(self._state, self._addresses, self._ramp, self._clock[2], data.ctrl)
+        _ramped(self._state, self._addresses, self._ramp, self._clock, data.ctrl)
 
     def after_step(self, data: mujoco.MjData) -> None:
         """Poll encoders and bumpers."""
@@ -122,7 +122,7 @@ class Fleet:
 
         The set-points are the drive commands and the wheels' acceleration limit: what a robot knows without measuring.
         """
-        _meant(self._state, k, self._clock[2], motion)
+        _meant(self._state, k, self._clock, motion)
 
     def meant_pose(self, k: int) -> Floats:
         """(3,) x, y, heading of robot k by its set-points when `meant` was last asked, in the frame of its start."""
@@ -158,17 +158,17 @@ def _own(state: Floats, k: int, period: float, last: Floats, motion: Floats, con
 
 
 @compiled
-def _meant(state: Floats, k: int, timestep: float, motion: Floats) -> None:
+def _meant(state: Floats, k: int, clock: Floats, motion: Floats) -> None:
     row = state[k]
-    steps = row[_MEANT + 2]
+    steps = clock[3] - row[_MEANT + 2]
     if steps > 0.0:
         left, right = create.WHEEL_RADIUS * row[_MEANT], create.WHEEL_RADIUS * row[_MEANT + 1]
         distance, angle = drive.twist(left, right)
         x, y, heading = odometry.moved(row[_MEANT_POSE], row[_MEANT_POSE + 1], row[_MEANT_POSE + 2], distance, angle)
         row[_MEANT_POSE], row[_MEANT_POSE + 1], row[_MEANT_POSE + 2] = x, y, heading
-        row[_MEANT], row[_MEANT + 1], row[_MEANT + 2] = 0.0, 0.0, 0.0
-        row[_MEANT_RATES] = distance / (steps * timestep)
-        row[_MEANT_RATES + 1] = angle / (steps * timestep)
+        row[_MEANT], row[_MEANT + 1], row[_MEANT + 2] = 0.0, 0.0, clock[3]
+        row[_MEANT_RATES] = distance / (steps * clock[2])
+        row[_MEANT_RATES + 1] = angle / (steps * clock[2])
     motion[0], motion[1], motion[2] = row[_MEANT_RATES], 0.0, row[_MEANT_RATES + 1]
 
 
@@ -183,9 +183,10 @@ def _command(state: Floats, k: int, speed: float, turn_rate: float) -> None:
 
 
 @compiled
-def _ramped(state: Floats, addresses: Ints, ramp: float, timestep: float, ctrl: Floats) -> None:
+def _ramped(state: Floats, addresses: Ints, ramp: float, clock: Floats, ctrl: Floats) -> None:
+    timestep = clock[2]
+    clock[3] += 1.0
     for k in range(len(state)):
-        state[k, _MEANT + 2] += 1.0
         for side in range(2):
             setpoint = state[k, _SETPOINT + side]
             change = state[k, _TARGET + side] - setpoint
