@@ -154,20 +154,12 @@ def to_place(own: Own, members: Members, team: Bools, formation: int, spacing: f
 
 
 @compiled
-def repulsion(points: Floats, chosen: Bools, sphere: float, least: float) -> tuple[float, float, float, float]:
-    """The sum of the vectors away from the chosen points, and of the unit vectors away from those within `least`."""
-    x, y, flight_x, flight_y = 0.0, 0.0, 0.0, 0.0
-    for k in range(len(points)):
-        distance = math.hypot(points[k, 0], points[k, 1])
-        if not chosen[k] or not 0.0 < distance < sphere:
-            continue
-        away_x, away_y = -points[k, 0] / distance, -points[k, 1] / distance
-        if distance <= least:
-            flight_x, flight_y = flight_x + away_x, flight_y + away_y
-        else:
-            strength = (sphere - distance) / (sphere - least)
-            x, y = x + strength * away_x, y + strength * away_y
-    return x, y, flight_x, flight_y
+def strength_away(x: float, y: float, sphere: float, least: float) -> float:
+    """Length of the vector away from an obstacle or robot at (x, y); inf within the minimum range."""
+    distance = math.hypot(x, y)
+    if distance == 0.0 or distance >= sphere:
+        return 0.0
+    return math.inf if distance <= least else (sphere - distance) / (sphere - least)
 
 
 def law(
@@ -187,19 +179,28 @@ def law(
     x = parameters.noise_gain * math.cos(memory[DIRECTION])
     y = parameters.noise_gain * math.sin(memory[DIRECTION])
 
-    walls = obstacles.points[:, 0] == obstacles.points[:, 0]
-    wall_x, wall_y, flight_x, flight_y = repulsion(
-        obstacles.points, walls, parameters.obstacle_sphere_m, parameters.obstacle_least_m
-    )
-    robot_x, robot_y, more_x, more_y = repulsion(
-        members.positions, sets[NEAR], parameters.robot_sphere_m, parameters.robot_least_m
-    )
-    flight_x, flight_y = unit(flight_x + more_x, flight_y + more_y)
+    flight_x, flight_y = 0.0, 0.0
+    for k in range(len(obstacles.points)):
+        px, py = obstacles.points[k, 0], obstacles.points[k, 1]
+        strength = strength_away(px, py, parameters.obstacle_sphere_m, parameters.obstacle_least_m)
+        away_x, away_y = unit(-px, -py)
+        if strength == math.inf:
+            flight_x, flight_y = flight_x + away_x, flight_y + away_y
+        else:
+            x += parameters.obstacle_gain * strength * away_x
+            y += parameters.obstacle_gain * strength * away_y
+    for j in range(len(members.ids)):
+        px, py = members.positions[j, 0], members.positions[j, 1]
+        strength = strength_away(px, py, parameters.robot_sphere_m, parameters.robot_least_m)
+        away_x, away_y = unit(-px, -py)
+        if sets[NEAR, j] and strength == math.inf:
+            flight_x, flight_y = flight_x + away_x, flight_y + away_y
+        elif sets[NEAR, j]:
+            x += parameters.robot_gain * strength * away_x
+            y += parameters.robot_gain * strength * away_y
+    flight_x, flight_y = unit(flight_x, flight_y)
     if flight_x != 0.0 or flight_y != 0.0:
         return Motion(Kind.VELOCITY, parameters.speed_m_s * flight_x, parameters.speed_m_s * flight_y, 1)
-    x += parameters.obstacle_gain * wall_x + parameters.robot_gain * robot_x
-    y += parameters.obstacle_gain * wall_y + parameters.robot_gain * robot_y
-
     if not math.isnan(own.goal[0]):
         goal_x, goal_y = unit(own.goal[0], own.goal[1])
         x, y = x + parameters.goal_gain * goal_x, y + parameters.goal_gain * goal_y

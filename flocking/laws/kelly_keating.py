@@ -21,10 +21,10 @@ from typing import Annotated, NamedTuple
 
 from flocking.angles import wrap
 from flocking.compilation import compiled
-from flocking.geometry import NOT_FOUND, nearest
+from flocking.geometry import NOT_FOUND, before, nearest
 from flocking.parameters import Parameter
 from flocking.taxonomy import Filled, Herd, Taxonomy, Validation
-from flocking.terms import limited, mean_vector
+from flocking.terms import limited
 from flocking.types import Bools, Floats, Kind, Members, Motion, Obstacles, Own
 
 NEEDS = frozenset({"positions", "headings", "velocities", "ids", "obstacles"})
@@ -91,9 +91,29 @@ def followed(own: Own, members: Members, j: int, ahead: float) -> bool:
 
 @compiled
 def nearest_ahead(points: Floats, reach: float) -> int:
-    """Row of the nearest obstacle ahead within `reach`."""
-    chosen = (points[:, 0] > 0.0) & (points[:, 0] ** 2 + points[:, 1] ** 2 < reach * reach)
-    return int(nearest(points, chosen))
+    """Row of the nearest obstacle ahead within `reach`, `NOT_FOUND` if there is none."""
+    best = NOT_FOUND
+    for k in range(len(points)):
+        x, y = points[k, 0], points[k, 1]
+        if x > 0.0 and x * x + y * y < reach * reach and (best == NOT_FOUND or before(points, k, best)):
+            best = k
+    return best
+
+
+@compiled
+def flock_to_follow(own: Own, members: Members, chosen: Bools, ahead: float) -> tuple[int, float, float]:
+    """Row of the nearest member to be followed among the chosen ones, and the mean velocity of all of these."""
+    best, count, vx, vy = NOT_FOUND, 0, 0.0, 0.0
+    for j in range(len(chosen)):
+        if chosen[j] and followed(own, members, j, ahead):
+            count += 1
+            vx += members.velocities[j, 0]
+            vy += members.velocities[j, 1]
+            if best == NOT_FOUND or before(members.positions, j, best):
+                best = j
+    if count == 0:
+        return NOT_FOUND, 0.0, 0.0
+    return best, vx / count, vy / count
 
 
 def law(
@@ -122,13 +142,8 @@ def law(
         return Motion(Kind.HEADING, turn, parameters.speed_m_s, AVOIDING)
 
     ahead = math.radians(parameters.ahead_deg)
-    flock, distant = sets[FLOCK].copy(), sets[DISTANT].copy()
-    for j in range(len(members.ids)):
-        flock[j] = flock[j] and followed(own, members, j, ahead)
-        distant[j] = distant[j] and followed(own, members, j, ahead)
-    k = nearest(members.positions, flock)
+    k, vx, vy = flock_to_follow(own, members, sets[FLOCK], ahead)
     if k != NOT_FOUND:
-        _, vx, vy = mean_vector(members.velocities, flock)
         x, y = members.positions[k, 0], members.positions[k, 1]
         distance = math.hypot(x, y)
         if distance > 0.0:
@@ -136,7 +151,7 @@ def law(
             vx, vy = vx + pull * x, vy + pull * y
         vx, vy = limited(vx, vy, parameters.fast_m_s)
         return Motion(Kind.VELOCITY, vx, vy, KEEPING)
-    k = nearest(members.positions, distant)
+    k, _, _ = flock_to_follow(own, members, sets[DISTANT], ahead)
     if k != NOT_FOUND:
         bearing = math.atan2(members.positions[k, 1], members.positions[k, 0])
         return Motion(Kind.HEADING, bearing, parameters.fast_m_s, CATCHING_UP)

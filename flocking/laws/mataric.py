@@ -91,18 +91,28 @@ CREATE: dict[str, float] = {}
 
 
 @compiled
-def nearest_on_sides(points: Floats, chosen: Bools, left: float, right: float) -> tuple[float, float]:
-    """The smaller of the given distances and those of the chosen rows of `points` (K, 2), on either side.
+def on_sides(x: float, y: float, left: float, right: float) -> tuple[float, float]:
+    """The smaller of the given distances and that of (x, y), on the side where it is; dead ahead it is on both."""
+    distance = math.hypot(x, y)
+    if distance > 0.0:
+        if y >= 0.0:
+            left = min(left, distance)
+        if y <= 0.0:
+            right = min(right, distance)
+    return left, right
 
-    A row dead ahead counts on both sides.
-    """
-    for k in range(len(points)):
-        distance = math.hypot(points[k, 0], points[k, 1])
-        if chosen[k] and distance > 0.0:
-            if points[k, 1] >= 0.0:
-                left = min(left, distance)
-            if points[k, 1] <= 0.0:
-                right = min(right, distance)
+
+@compiled
+def sides(members: Members, near: Bools, obstacles: Obstacles, reach: float) -> tuple[float, float]:
+    """Distance of the nearest thing ahead on the left and on the right, inf where there is none."""
+    left, right = math.inf, math.inf
+    for k in range(len(obstacles.points)):
+        x, y = obstacles.points[k, 0], obstacles.points[k, 1]
+        if x > 0.0 and x * x + y * y < reach * reach:
+            left, right = on_sides(x, y, left, right)
+    for j in range(len(near)):
+        if near[j]:
+            left, right = on_sides(members.positions[j, 0], members.positions[j, 1], left, right)
     return left, right
 
 
@@ -116,10 +126,7 @@ def law(
     u: Floats,
 ) -> Motion:
     """Heading: away from what is near, else along the weighted sum."""
-    x, y = obstacles.points[:, 0], obstacles.points[:, 1]
-    barriers = (x > 0.0) & (x * x + y * y < parameters.avoid_m * parameters.avoid_m)
-    left, right = nearest_on_sides(obstacles.points, barriers, math.inf, math.inf)
-    left, right = nearest_on_sides(members.positions, sets[NEAR], left, right)
+    left, right = sides(members, sets[NEAR], obstacles, parameters.avoid_m)
     if left < math.inf and right < math.inf:
         turn = parameters.back_turn_rad
         if left < right or (left == right and u[1] < 0.5):
