@@ -122,6 +122,10 @@ class _Function(NamedTuple):
     arguments: int
     """−1: any number of them."""
     needs: frozenset[str]
+    expected: str = ""
+    """What its numbers must be, in words."""
+    right: Callable[..., bool] = lambda *numbers: True
+    """Whether they are."""
 
 
 def _needs(*names: str) -> frozenset[str]:
@@ -130,21 +134,70 @@ def _needs(*names: str) -> frozenset[str]:
 
 SELECTIONS: dict[str, _Function] = {
     "all": _Function(Step.ALL, everyone, 0, _needs()),
-    "fixed-set": _Function(Step.FIXED_SET, fixed_set, -1, _needs("ids")),
-    "distance-based": _Function(Step.DISTANCE_BASED, distance_based, 2, _needs("positions")),
+    "fixed-set": _Function(
+        Step.FIXED_SET, fixed_set, -1, _needs("ids"), "whole ids from 0", lambda *ids: all(i >= 0 == i % 1 for i in ids)
+    ),
+    "distance-based": _Function(
+        Step.DISTANCE_BASED,
+        distance_based,
+        2,
+        _needs("positions"),
+        "0 <= low <= high, in m",
+        lambda low, high: 0 <= low <= high,
+    ),
     "nearest": _Function(Step.NEAREST, nearest, 0, _needs("positions")),
     "voronoi": _Function(Step.VORONOI, voronoi, 0, _needs("positions")),
-    "k-nearest": _Function(Step.K_NEAREST, k_nearest, 1, _needs("positions")),
-    "bounding-box": _Function(Step.BOUNDING_BOX, bounding_box, 4, _needs("positions")),
-    "angle": _Function(Step.ANGLE, angle, 1, _needs("bearings")),
-    "sector": _Function(Step.SECTOR, sector, 2, _needs("bearings")),
-    "field-of-view": _Function(Step.FIELD_OF_VIEW, field_of_view, 1, _needs("bearings")),
-    "unoccluded": _Function(Step.UNOCCLUDED, unoccluded, 1, _needs("positions")),
-    "densest-distance": _Function(Step.DENSEST_DISTANCE, densest_distance, 1, _needs("positions")),
-    "densest-angle": _Function(Step.DENSEST_ANGLE, densest_angle, 1, _needs("bearings")),
+    "k-nearest": _Function(
+        Step.K_NEAREST,
+        k_nearest,
+        1,
+        _needs("positions"),
+        "a whole number of at least 1",
+        lambda k: k >= 1 and k % 1 == 0,
+    ),
+    "bounding-box": _Function(
+        Step.BOUNDING_BOX,
+        bounding_box,
+        4,
+        _needs("positions"),
+        "x0 <= x1 and y0 <= y1, as x0, y0, x1, y1 in m",
+        lambda x0, y0, x1, y1: x0 <= x1 and y0 <= y1,
+    ),
+    "angle": _Function(Step.ANGLE, angle, 1, _needs("bearings"), "0 to 180 degrees", lambda a: 0 <= a <= 180),
+    "sector": _Function(
+        Step.SECTOR,
+        sector,
+        2,
+        _needs("bearings"),
+        "degrees from -360 to 360",
+        lambda *ends: all(abs(end) <= 360 for end in ends),
+    ),
+    "field-of-view": _Function(
+        Step.FIELD_OF_VIEW, field_of_view, 1, _needs("bearings"), "0 to 360 degrees", lambda width: 0 <= width <= 360
+    ),
+    "unoccluded": _Function(
+        Step.UNOCCLUDED, unoccluded, 1, _needs("positions"), "a radius of at least 0 m", lambda radius: radius >= 0
+    ),
+    "densest-distance": _Function(
+        Step.DENSEST_DISTANCE,
+        densest_distance,
+        1,
+        _needs("positions"),
+        "a distance of at least 0 m",
+        lambda threshold: threshold >= 0,
+    ),
+    "densest-angle": _Function(
+        Step.DENSEST_ANGLE,
+        densest_angle,
+        1,
+        _needs("bearings"),
+        "0 to 180 degrees",
+        lambda threshold: 0 <= threshold <= 180,
+    ),
 }
 """Name in a selection's text → what it stands for."""
 
+_NAMES = {about.step: name for name, about in SELECTIONS.items()}
 _BY_STEP = {about.step: about for about in SELECTIONS.values()}
 _CALL = re.compile(r"^\s*([a-z_-]+)\s*(?:\(([^()]*)\))?\s*$")
 
@@ -170,6 +223,8 @@ def parse(text: str, parameters: Iterable[str] = ()) -> list[Chosen]:
         if not right or not all(map(math.isfinite, numbers)):
             count = f"up to {ARGUMENTS}" if about.arguments < 0 else about.arguments
             raise InputError(f"selection {part.strip()!r}: {name} takes {count} finite number{'s' * (count != 1)}")
+        if len(numbers) == len(given):
+            _check(about.step, numbers)
         if about.step is Step.FIXED_SET and not given:
             steps.append(Chosen(Step.GRAPH))
         elif about.step is not Step.ALL:
@@ -196,11 +251,24 @@ def parse_sets(text: str, sets: Mapping[str, str], parameters: Iterable[str] = (
 
 
 def resolved(steps: Sequence[Chosen], values: Mapping[str, Any]) -> list[Chosen]:
-    """The steps with numbers in place of parameters' names."""
-    return [
-        Chosen(s.step, tuple(float(values[value]) if isinstance(value, str) else value for value in s.given))
-        for s in steps
-    ]
+    """The steps with numbers in place of parameters' names. Raises `InputError` for numbers that cannot be."""
+    made = []
+    for step, given in steps:
+        numbers = tuple(float(values[value]) if isinstance(value, str) else value for value in given)
+        if any(isinstance(value, str) for value in given):
+            _check(step, numbers)
+        made.append(Chosen(step, numbers))
+    return made
+
+
+def _check(step: Step, numbers: Sequence[float]) -> None:
+    """Raises `InputError` if a step cannot have these numbers."""
+    if step is Step.GRAPH or _BY_STEP[step].right(*numbers):
+        return
+    name = _NAMES[step]
+    raise InputError(
+        f"selection '{name}({', '.join(f'{value:g}' for value in numbers)})': expected {_BY_STEP[step].expected}"
+    )
 
 
 def needs(steps: Iterable[Chosen]) -> frozenset[str]:
@@ -247,8 +315,8 @@ def tessellated(positions: Floats, period_m: float = 0.0) -> Bools:
     finite = np.flatnonzero(np.isfinite(positions).all(axis=1))
     points, which = np.unique(positions[finite], axis=0, return_inverse=True)
     among = np.zeros((len(points), len(points)), dtype=np.bool_)
-    for i, j in _edges(points):
-        among[i, j] = among[j, i] = True
+    edges = _edges(points)
+    among[edges[:, 0], edges[:, 1]] = among[edges[:, 1], edges[:, 0]] = True
     np.fill_diagonal(among, True)
     touching[np.ix_(finite, finite)] = among[np.ix_(which.ravel(), which.ravel())]
     np.fill_diagonal(touching, False)

@@ -207,7 +207,7 @@ def simulate(
         raise InputError(f"{count} starting poses for {sum(band.count for band in bands)} members")
     if not np.isfinite(poses_w).all() or not 0.0 < dt_s < math.inf or steps < 0 or every < 1:
         raise InputError(f"start, dt_s = {dt_s:g}, steps = {steps}, every = {every}: expected finite and positive")
-    run = _Run(bands, poses_w, space or Space(), graph, dt_s, rng)
+    run = KinematicHerd(bands, poses_w, space or Space(), graph, dt_s, rng)
     run.start(velocities_w, speeds_m_s)
     frames = steps // every
     tracks = np.empty((frames + 1, count, 5))
@@ -227,7 +227,7 @@ def simulate(
     return History(times, tracks[..., :2].copy(), tracks[..., 2].copy(), tracks[..., 3:].copy())
 
 
-class _Run:
+class KinematicHerd:
     """A herd at work."""
 
     def __init__(
@@ -240,7 +240,9 @@ class _Run:
         rng: np.random.Generator,
     ) -> None:
         count = len(poses_w)
-        self.bands, self.dt, self.rng = bands, float(dt), rng
+        self.bands, self.dt = bands, float(dt)
+        # one stream each, so that the number of steps done at a time does not change what is drawn
+        self.law_rng, self.order_rng = rng.spawn(2)
         self.stages = [band.stages() for band in bands]
         ends = np.cumsum([band.count for band in bands])
         self.members = [np.arange(end - band.count, end) for band, end in zip(bands, ends, strict=True)]
@@ -279,7 +281,7 @@ class _Run:
         )
         self.motions = np.zeros((count, 4))
         self.draws = [band.law.draws for band in bands]
-        self.most_steps = max(1, MOST_DRAWS // max(1, count * max(self.draws)))
+        self.most_steps = max(1, MOST_DRAWS // (count * (1 + max(self.draws))))
 
     def start(self, velocities_w: Floats | None, speeds: float | Floats) -> None:
         """Gives the members their first velocities."""
@@ -290,25 +292,27 @@ class _Run:
         self.bodies.velocities[:] = (np.stack([np.cos(headings), np.sin(headings)]) * speeds).T
 
     def advance(self, steps: int, tracks: Floats, every: int, done: int, synchronous: bool) -> None:
-        """So many steps more."""
-        single = len(self.bands) == 1
-        if self.voronoi or not single:
+        """So many steps more, after `done`; every `every`-th of them is written to `tracks` (T, N, 5)."""
+        if self.voronoi or len(self.bands) > 1:
             for step in range(steps):
                 self._tessellate()
-                frame = tracks[(step + 1) // every - 1 : (step + 1) // every] if (step + 1) % every == 0 else tracks[:0]
                 if synchronous:
-                    self._together(frame, done + step)
+                    self._together(done + step)
                 else:
-                    self._in_turn(self.rng.permutation(len(self.positions))[None], frame, 1, done + step)
-                    if len(frame):
-                        kernel.record(self.bodies, frame[0])
+                    self._in_turn(self.order_rng.random((1, len(self.positions))), self._nothing, 2, done + step)
+                if (step + 1) % every == 0:
+                    kernel.record(self.bodies, tracks[(step + 1) // every - 1])
         elif synchronous:
-            draws = self.rng.random((steps, len(self.positions), self.draws[0]))
+            draws = self.law_rng.random((steps, len(self.positions), self.draws[0]))
             code = kernel.synchronous(*self._shared(0), self.members[0], draws, self.dt, self.motions, tracks, every, 0)
             self._check(code, done)
         else:
-            order = np.argsort(self.rng.random((steps, len(self.positions))), axis=1)
-            self._in_turn(order, tracks, every, done)
+            self._in_turn(self.order_rng.random((steps, len(self.positions))), tracks, every, done)
+
+    @property
+    def _nothing(self) -> Floats:
+        """Room for no record."""
+        return np.empty((0, len(self.positions), 5))
 
     def _shared(self, band: int) -> tuple[Any, ...]:
         return (self.bands[band].law.entry, self.stages[band], self.bodies, self.limits, self.minds, self.place)
@@ -318,32 +322,28 @@ class _Run:
             touching = selection.tessellated(self.positions, self.place.period)
             self.place = self.place._replace(tessellated=touching)
 
-    def _together(self, frame: Floats, step: int) -> None:
+    def _together(self, step: int) -> None:
         """One synchronous step of several bands."""
-        nothing = np.empty((0, len(self.positions), 5))
         for band, who in enumerate(self.members):
-            draws = self.rng.random((1, len(who), self.draws[band]))
-            code = kernel.synchronous(*self._shared(band), who, draws, self.dt, self.motions, nothing, 2, 1)
+            draws = self.law_rng.random((1, len(who), self.draws[band]))
+            code = kernel.synchronous(*self._shared(band), who, draws, self.dt, self.motions, self._nothing, 2, 1)
             self._check(code, step)
         kernel.move_all(self.bodies, self.limits, self.place, self.dt, self.motions)
-        if len(frame):
-            kernel.record(self.bodies, frame[0])
 
-    def _in_turn(self, order: Any, tracks: Floats, every: int, done: int) -> None:
-        """Asynchronous steps; members of several bands by runs of one band each."""
+    def _in_turn(self, lots: Floats, tracks: Floats, every: int, done: int) -> None:
+        """Asynchronous steps in the order of the `lots` (steps, N); of several bands by runs of one band each."""
+        order = np.argsort(lots, axis=1)
         if len(self.bands) == 1:
-            draws = self.rng.random((*order.shape, self.draws[0]))
+            draws = self.law_rng.random((*order.shape, self.draws[0]))
             code = kernel.asynchronous(*self._shared(0), order, draws, self.dt, self.motions, tracks, every)
             self._check(code, done)
             return
-        nothing = np.empty((0, len(self.positions), 5))
         (turns,) = order
         for run in np.split(turns, np.flatnonzero(np.diff(self.band_of[turns])) + 1):
             band = int(self.band_of[run[0]])
-            draws = self.rng.random((1, len(run), self.draws[band]))
-            code = kernel.asynchronous(
-                *self._shared(band), np.ascontiguousarray(run[None]), draws, self.dt, self.motions, nothing, 2
-            )
+            draws = self.law_rng.random((1, len(run), self.draws[band]))
+            turn = np.ascontiguousarray(run[None])
+            code = kernel.asynchronous(*self._shared(band), turn, draws, self.dt, self.motions, self._nothing, 2)
             self._check(code, done)
 
     def _check(self, code: int, done: int) -> None:

@@ -1,0 +1,355 @@
+"""Stages 2 to 4 of one member of the kinematic herd: what it detects, whom it selects, what its law decides. Compiled.
+
+Nothing here makes arrays: all that a member sees is written into the herd's one `Scratch`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from flocking.angles import wrap
+from flocking.avoidance import avoid, virtual_members
+from flocking.compilation import borrowing, compiled, inlined
+from flocking.kinematic import detection
+from flocking.kinematic.arrays import BEARINGS, Bodies, Minds, Place, Stages
+from flocking.kinematic.cells import Cells, nearby
+from flocking.kinematic.motion import nearest_point, shortest
+from flocking.lawentry import OWN_SIZE
+from flocking.perception import ARGUMENTS, Step, keep
+from flocking.types import ANONYMOUS, Bools, Floats, Ints, Kind
+
+
+class Scratch(NamedTuple):
+    """Room for what one member sees."""
+
+    own: Floats
+    near: Ints
+    """(18,) pieces of the cells' list."""
+    candidates: Ints
+    """(N,) members within reach."""
+    seen: Floats
+    """(N, 2) where they are, body frame."""
+    positions: Floats
+    bearings: Floats
+    headings: Floats
+    velocities: Floats
+    ids: Ints
+    sources: Ints
+    """Which member each input is of, −1 = virtual."""
+    sets: Bools
+    """Flat: (S · M,) is reshaped."""
+    linked: Bools
+    tessellated: Bools
+    given: Floats
+    obstacles: Floats
+    virtual_velocities: Floats
+    ranges: Floats
+    owners: Ints
+    motion: Floats
+
+
+@compiled
+def scratch(count: int, sets: int, walls: int, beams: int) -> Scratch:
+    """Room for herds of `count` members."""
+    room = max(count, beams) + walls
+    return Scratch(
+        np.zeros(OWN_SIZE),
+        np.empty(18, np.int64),
+        np.empty(count, np.int64),
+        np.empty((count, 2)),
+        np.empty((room, 2)),
+        np.empty(room),
+        np.empty(room),
+        np.empty((room, 2)),
+        np.empty(room, np.int64),
+        np.empty(room, np.int64),
+        np.empty(room * sets, np.bool_),
+        np.zeros(room, np.bool_),
+        np.zeros(room, np.bool_),
+        np.empty(ARGUMENTS),
+        np.empty((walls, 2)),
+        np.empty((walls, 2)),
+        np.empty(beams),
+        np.empty(beams, np.int64),
+        np.empty(4),
+    )
+
+
+@borrowing
+def candidates(
+    i: int,
+    positions: Floats,
+    members: Ints,
+    cells: Cells,
+    period: float,
+    reach: float,
+    near: Ints,
+    found: Ints,
+    seen: Floats,
+) -> int:
+    """Writes who is within reach of member i, and where from it (world axes); returns their number."""
+    x, y = positions[i, 0], positions[i, 1]
+    squared, count = reach * reach, 0
+    if cells.columns == 0:
+        for j in range(len(positions)):
+            dx = shortest(positions[j, 0] - x, period)
+            dy = shortest(positions[j, 1] - y, period)
+            if j != i and dx * dx + dy * dy <= squared:
+                found[count] = j
+                seen[count, 0], seen[count, 1] = dx, dy
+                count += 1
+        return count
+    pieces = nearby(cells, x, y, period, near)
+    for p in range(0, pieces, 2):
+        for k in range(near[p], near[p + 1]):
+            j = members[k]
+            dx = shortest(positions[j, 0] - x, period)
+            dy = shortest(positions[j, 1] - y, period)
+            if dx * dx + dy * dy <= squared and j != i:
+                found[count] = j
+                seen[count, 0], seen[count, 1] = dx, dy
+                count += 1
+    return count
+
+
+@borrowing
+def obstacles_seen(x: float, y: float, c: float, s: float, walls: Floats, sight: float, points: Floats) -> int:
+    """Writes the nearest point of each wall within sight, body frame; returns their number."""
+    count = 0
+    for w in range(len(walls)):
+        nx, ny = nearest_point(x, y, walls[w])
+        dx, dy = nx - x, ny - y
+        if dx * dx + dy * dy <= sight * sight:
+            points[count, 0], points[count, 1] = c * dx + s * dy, c * dy - s * dx
+            count += 1
+    return count
+
+
+@borrowing
+def turn_all(vectors: Floats, count: int, c: float, s: float, out: Floats) -> None:
+    """Writes the first `count` vectors (world axes) in the axes of a body whose heading has that cosine and sine."""
+    for k in range(count):
+        dx, dy = vectors[k, 0], vectors[k, 1]
+        out[k, 0], out[k, 1] = c * dx + s * dy, c * dy - s * dx
+
+
+@borrowing
+def describe(
+    heading: float,
+    c: float,
+    s: float,
+    found: int,
+    sources: Ints,
+    all_headings: Floats,
+    all_velocities: Floats,
+    headings: Floats,
+    velocities: Floats,
+    ids: Ints,
+) -> None:
+    """Writes heading, velocity (body axes) and id of each input from the member that it is of."""
+    for k in range(found):
+        j = sources[k]
+        headings[k] = wrap(all_headings[j] - heading)
+        vx, vy = all_velocities[j, 0], all_velocities[j, 1]
+        velocities[k, 0], velocities[k, 1] = c * vx + s * vy, c * vy - s * vx
+        ids[k] = j
+
+
+@borrowing
+def at_distance(positions: Floats, count: int, distance: float) -> None:
+    """Puts the first `count` positions at that distance, each at its bearing."""
+    for k in range(count):
+        d = math.hypot(positions[k, 0], positions[k, 1])
+        if d > 0.0:
+            positions[k, 0] *= distance / d
+            positions[k, 1] *= distance / d
+
+
+@borrowing
+def take_bearings(positions: Floats, count: int, bearings: Floats) -> None:
+    """Writes the bearing of the first `count` positions."""
+    for k in range(count):
+        bearings[k] = math.atan2(positions[k, 1], positions[k, 0])
+
+
+@borrowing
+def owners_of(found: int, candidates_: Ints, sources: Ints) -> None:
+    """Turns rows of the candidates into members."""
+    for k in range(found):
+        sources[k] = candidates_[sources[k]]
+
+
+@inlined
+def detected(i: int, stages: Stages, bodies: Bodies, cells: Cells, place: Place, room: Scratch) -> int:
+    """Stage 2: writes the set D of member i in its body frame; returns its size."""
+    perfect = stages.detection == detection.Detection.PERFECT
+    sources = room.sources if perfect else room.candidates
+    found = candidates(
+        i, bodies.positions, cells.members, cells, place.period, stages.reach, room.near, sources, room.seen
+    )
+    heading = bodies.headings[i]
+    c, s = math.cos(heading), math.sin(heading)
+    if perfect:
+        turn_all(room.seen, found, c, s, room.positions)
+    else:
+        turn_all(room.seen, found, c, s, room.seen)
+        found = detection.inputs(
+            stages.detection,
+            room.seen,
+            found,
+            stages.silhouette,
+            stages.sight,
+            room.ranges,
+            room.owners,
+            room.positions,
+            room.sources,
+        )
+        owners_of(found, room.candidates, room.sources)
+    describe(
+        heading, c, s, found, room.sources, bodies.headings, bodies.velocities, room.headings, room.velocities, room.ids
+    )
+    if stages.information == BEARINGS:
+        at_distance(room.positions, found, stages.assumed_distance)
+    if stages.bearings:
+        take_bearings(room.positions, found, room.bearings)
+    return found
+
+
+@inlined
+def with_virtual(found: int, points: Floats, stages: Stages, room: Scratch) -> int:
+    """The set D with a virtual member for each obstacle in sight; returns its size."""
+    vx, vy = room.own[0], room.own[1]
+    added = virtual_members(points, vx, vy, stages.sight, room.positions[found:], room.virtual_velocities)
+    count = found
+    for k in range(added):
+        ux, uy = room.virtual_velocities[k, 0], room.virtual_velocities[k, 1]
+        if stages.headings and ux == 0.0 and uy == 0.0:
+            continue
+        x, y = room.positions[found + k, 0], room.positions[found + k, 1]
+        room.positions[count, 0], room.positions[count, 1] = x, y
+        room.bearings[count] = math.atan2(y, x)
+        room.headings[count] = math.atan2(uy, ux)
+        room.velocities[count, 0], room.velocities[count, 1] = ux, uy
+        room.ids[count] = ANONYMOUS
+        room.sources[count] = -1
+        count += 1
+    return count
+
+
+@borrowing
+def links(i: int, found: int, graph: Bools, sources: Ints, linked: Bools) -> None:
+    """Writes which inputs are of members that the graph joins to member i."""
+    for k in range(found):
+        linked[k] = sources[k] >= 0 and graph[i, sources[k]]
+
+
+@inlined
+def select(i: int, found: int, stages: Stages, minds: Minds, place: Place, room: Scratch) -> None:
+    """Stage 3: writes the masks of all sets into `room.sets`."""
+    if len(place.graph) > 0:
+        links(i, found, place.graph, room.sources, room.linked)
+    if len(place.tessellated) > 0:
+        links(i, found, place.tessellated, room.sources, room.tessellated)
+    steps, given, named = stages.steps, stages.given, stages.named
+    positions, bearings, ids = room.positions[:found], room.bearings[:found], room.ids[:found]
+    linked, tessellated = room.linked[:found], room.tessellated[:found]
+    sets, numbers, parameters = room.sets, room.given, minds.parameters
+    for set_ in range(steps.shape[0]):
+        mask = sets[set_ * found : (set_ + 1) * found]
+        for k in range(found):
+            mask[k] = True
+        for k in range(steps.shape[1]):
+            if steps[set_, k] == Step.ALL:
+                continue
+            for a in range(ARGUMENTS):
+                at = named[set_, k, a]
+                numbers[a] = parameters[i, at] if at >= 0 else given[set_, k, a]
+            keep(steps[set_, k], numbers, positions, bearings, ids, linked, tessellated, mask)
+
+
+@inlined
+def know_oneself(i: int, bodies: Bodies, minds: Minds, dt: float, own: Floats) -> None:
+    """Writes what member i knows of itself, as `flocking.lawentry.packed_own` packs it."""
+    heading = bodies.headings[i]
+    c, s = math.cos(heading), math.sin(heading)
+    vx, vy = bodies.velocities[i, 0], bodies.velocities[i, 1]
+    own[0], own[1] = c * vx + s * vy, c * vy - s * vx
+    own[2] = bodies.turn_rates[i]
+    own[3] = heading
+    gx, gy = minds.goals[i, 0] - bodies.positions[i, 0], minds.goals[i, 1] - bodies.positions[i, 1]
+    own[4], own[5] = c * gx + s * gy, c * gy - s * gx
+    own[6] = 1.0 if bodies.contacts[i, 0] else 0.0
+    own[7] = 1.0 if bodies.contacts[i, 1] else 0.0
+    own[8] = dt
+    own[9] = i
+    own[10] = minds.roles[i]
+
+
+@inlined
+def decide(
+    law: Callable[..., None],
+    i: int,
+    stages: Stages,
+    bodies: Bodies,
+    minds: Minds,
+    cells: Cells,
+    place: Place,
+    u: Floats,
+    dt: float,
+    room: Scratch,
+) -> bool:
+    """Stages 2 to 4 of member i; its motion is in `room.motion`. False if the law gave what it must not."""
+    know_oneself(i, bodies, minds, dt, room.own)
+    found = detected(i, stages, bodies, cells, place, room)
+    blocks = 0
+    if stages.obstacles or stages.avoids or stages.virtual:
+        heading = bodies.headings[i]
+        blocks = obstacles_seen(
+            bodies.positions[i, 0],
+            bodies.positions[i, 1],
+            math.cos(heading),
+            math.sin(heading),
+            place.walls,
+            stages.sight,
+            room.obstacles,
+        )
+        if stages.virtual:
+            found = with_virtual(found, room.obstacles[:blocks], stages, room)
+    select(i, found, stages, minds, place, room)
+    sets = stages.steps.shape[0]
+    motion = room.motion
+    law(
+        room.own,
+        room.positions[:found],
+        room.bearings[:found],
+        room.headings[:found],
+        room.velocities[:found],
+        room.ids[:found],
+        room.sets[: sets * found].reshape(sets, found),
+        room.obstacles[: blocks if stages.obstacles else 0],
+        minds.parameters[i, : stages.parameters],
+        bodies.memory[i, : stages.memory],
+        u,
+        motion,
+    )
+    if stages.avoids and blocks > 0:
+        kind, x, y, _ = avoid(
+            int(motion[0]),
+            motion[1],
+            motion[2],
+            room.own[0],
+            room.own[1],
+            dt,
+            room.obstacles[:blocks],
+            stages.look_ahead,
+            stages.margin,
+        )
+        motion[0], motion[1], motion[2] = kind, x, y
+    kind = int(motion[0])
+    if kind == Kind.HOLD or kind == Kind.STOP:
+        return True
+    return 0 <= kind <= 5 and abs(motion[1]) + abs(motion[2]) < math.inf

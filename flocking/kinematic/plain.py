@@ -1,0 +1,142 @@
+"""The kinematic herd in plain Python and NumPy, one member at a time: what the compiled one is held against.
+
+It knows perfect detection of positions, ideal and limited motion, open and periodic space; no walls and no bodies.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from flocking import selection
+from flocking.kinematic.arrays import Bodies
+from flocking.kinematic.herd import Band
+from flocking.types import NO_OBSTACLES, Bools, Floats, Kind, Members, Motion, Own
+
+
+def step(
+    bands: Sequence[Band],
+    before: Bodies,
+    draws: Sequence[Floats],
+    dt_s: float,
+    period_m: float = 0.0,
+    graph: Bools | None = None,
+) -> Bodies:
+    """One synchronous step of all bands from the state `before`, which is left as it is.
+
+    `draws`: for each band (count, DRAWS) uniform numbers. Selections may limit the herd by Voronoi cells, which are
+    then those of all members.
+    """
+    after = Bodies._make(array.copy() for array in before)
+    first = 0
+    touching = None
+    for band, numbers in zip(bands, draws, strict=True):
+        sets = selection.parse_sets(band.selection, band.law.sets, band.law.parameter_names)
+        for i in range(first, first + band.count):
+            given = band.parameters if isinstance(band.parameters, Mapping) else band.parameters[i - first]
+            parameters = band.law.parameters(given)
+            if any(chosen.step is selection.Step.VORONOI for steps in sets for chosen in steps) and touching is None:
+                touching = selection.tessellated(before.positions, period_m)
+            motion = _decided(
+                i, band, sets, parameters, before, after.memory, numbers[i - first], dt_s, period_m, graph, touching
+            )
+            _move(i, band, motion, before, after, dt_s, period_m)
+        first += band.count
+    return after
+
+
+def _decided(
+    i: int,
+    band: Band,
+    sets: Sequence[Sequence[selection.Chosen]],
+    parameters: Any,
+    now: Bodies,
+    memory: Floats,
+    u: Floats,
+    dt: float,
+    period: float,
+    graph: Bools | None,
+    touching: Bools | None,
+) -> Motion:
+    """Stages 2 to 4 of member i."""
+    heading = now.headings[i]
+    to_body = np.array([[math.cos(heading), math.sin(heading)], [-math.sin(heading), math.cos(heading)]])
+    others = np.delete(np.arange(len(now.positions)), i)
+    offsets = now.positions[others] - now.positions[i]
+    if period:
+        offsets = offsets - period * np.round(offsets / period)
+    positions = offsets @ to_body.T
+    members = Members(
+        positions,
+        np.arctan2(positions[:, 1], positions[:, 0]),
+        (now.headings[others] - heading + math.pi) % (2.0 * math.pi) - math.pi,
+        now.velocities[others] @ to_body.T,
+        others.astype(np.int64),
+    )
+    masks = np.ones((len(sets), len(others)), dtype=np.bool_)
+    for s, steps in enumerate(sets):
+        chosen = selection.resolved(steps, parameters._asdict())
+        if chosen and chosen[0].step is selection.Step.VORONOI:
+            assert touching is not None
+            kept = np.flatnonzero(touching[i, others])
+            masks[s] = False
+            near = Members._make(column[kept] for column in members)
+            masks[s, kept] = selection.select(chosen[1:], near)
+        else:
+            masks[s] = selection.select(chosen, members, None if graph is None else graph[i, others])
+    goal = np.full(2, math.nan)
+    if band.goals_w is not None:
+        goal = to_body @ (band.goals_w[i] - now.positions[i])
+    own = Own(
+        to_body @ now.velocities[i],
+        float(now.turn_rates[i]),
+        float(heading),
+        goal,
+        now.contacts[i],
+        dt,
+        i,
+        band.role,
+    )
+    return band.law.function(own, members, masks, NO_OBSTACLES, parameters, memory[i, : band.law.memory], u)
+
+
+def _move(i: int, band: Band, motion: Motion, now: Bodies, after: Bodies, dt: float, period: float) -> None:
+    """Stage 5 of member i."""
+    heading, velocity = now.headings[i], now.velocities[i].copy()
+    to_world = np.array([[math.cos(heading), -math.sin(heading)], [math.sin(heading), math.cos(heading)]])
+    given = np.array([motion.x, motion.y])
+    turned = heading
+    if motion.kind == Kind.STOP:
+        velocity[:] = 0.0
+    elif motion.kind == Kind.HEADING:
+        turned = heading + motion.x
+        velocity = motion.y * np.array([math.cos(turned), math.sin(turned)])
+    else:
+        if motion.kind == Kind.WAY_POINT:
+            distance = math.hypot(*given)
+            speed = min(distance / dt, band.cruise_m_s)
+            velocity = to_world @ (given / distance * speed) if distance > 0.0 else np.zeros(2)
+        elif motion.kind == Kind.VELOCITY:
+            velocity = to_world @ given
+        elif motion.kind == Kind.ACCELERATION:
+            velocity = velocity + to_world @ given * dt
+        if velocity.any():
+            turned = math.atan2(velocity[1], velocity[0])
+    speed = math.hypot(*velocity)
+    if speed > band.max_speed_m_s:
+        velocity = velocity / speed * band.max_speed_m_s
+    turn = (turned - heading + math.pi) % (2.0 * math.pi) - math.pi
+    if abs(turn) > band.max_turn_rate_rad_s * dt:
+        turned = heading + math.copysign(band.max_turn_rate_rad_s * dt, turn)
+        nose = np.array([math.cos(turned), math.sin(turned)])
+        velocity = max(0.0, float(velocity @ nose)) * nose
+    after.headings[i] = (turned + math.pi) % (2.0 * math.pi) - math.pi
+    after.turn_rates[i] = ((after.headings[i] - heading + math.pi) % (2.0 * math.pi) - math.pi) / dt
+    after.contacts[i] = False
+    after.velocities[i] = velocity
+    after.positions[i] = now.positions[i] + velocity * dt
+    if period:
+        after.positions[i] %= period
