@@ -96,7 +96,7 @@ def check(group: Group) -> None:
         if missing <= given(found.load(PIPELINES, name, "pipeline")):
             ways.append(f"pipeline {name}")
     raise InputError(
-        f"law {group.law!r} needs {_listed(missing)}, which pipeline {group.pipeline!r} does not give; "
+        f"law {group.law!r} needs {_listed(missing - inferable)}, which pipeline {group.pipeline!r} does not give; "
         f"given by: {', '.join(ways) or 'no pipeline'}"
     )
 
