@@ -15,7 +15,8 @@ from flocking.kinematic.arrays import Bodies, Limits, Place
 from flocking.types import Floats, Kind
 
 CLEARANCE = 1e-9
-"""Part of a step by which it ends before a wall, so that rounding does not carry a member through."""
+"""Part of a step by which it ends before a wall, and of a wall by which it is longer than drawn: rounding must not carry
+a member through, least of all at a corner."""
 BOTH_BUMPERS_RAD = math.radians(15.0)
 """A touch this near to the nose presses both bumpers. (choice)"""
 
@@ -58,9 +59,19 @@ def wanted(
 
 @borrowing
 def within_limits(
-    vx: float, vy: float, heading: float, before: float, max_speed: float, max_turn_rate: float, dt: float
+    vx: float,
+    vy: float,
+    heading: float,
+    before: float,
+    backwards: bool,
+    max_speed: float,
+    max_turn_rate: float,
+    dt: float,
 ) -> tuple[float, float, float]:
-    """The velocity and heading that the body manages: speed first, then turn; what lies across its nose is lost."""
+    """The velocity and heading that the body manages: speed first, then turn; what lies across its nose is lost.
+
+    Only a body that is told to go `backwards` does.
+    """
     speed = math.hypot(vx, vy)
     if speed > max_speed:
         vx, vy = vx / speed * max_speed, vy / speed * max_speed
@@ -68,7 +79,8 @@ def within_limits(
     most = max_turn_rate * dt
     if abs(turn) > most:
         heading = before + math.copysign(most, turn)
-        along = max(0.0, vx * math.cos(heading) + vy * math.sin(heading))
+        along = vx * math.cos(heading) + vy * math.sin(heading)
+        along = min(0.0, along) if backwards else max(0.0, along)
         vx, vy = along * math.cos(heading), along * math.sin(heading)
     return vx, vy, wrap(heading)
 
@@ -86,7 +98,7 @@ def crossing(x: float, y: float, dx: float, dy: float, wall: Floats) -> float:
     ox, oy = wall[0] - x, wall[1] - y
     part = (ox * ey - oy * ex) / across
     along = (ox * dy - oy * dx) / across
-    if 0.0 < part <= 1.0 and 0.0 <= along <= 1.0:
+    if 0.0 < part <= 1.0 and -CLEARANCE <= along <= 1.0 + CLEARANCE:
         return part
     return 2.0
 
@@ -211,7 +223,10 @@ def move(
     before = bodies.headings[i]
     px, py = bodies.positions[i, 0], bodies.positions[i, 1]
     vx, vy, heading = wanted(kind, x, y, before, bodies.velocities[i, 0], bodies.velocities[i, 1], limits.cruise[i], dt)
-    vx, vy, heading = within_limits(vx, vy, heading, before, limits.max_speed[i], limits.max_turn_rate[i], dt)
+    backwards = kind == Kind.HEADING and y < 0.0
+    vx, vy, heading = within_limits(
+        vx, vy, heading, before, backwards, limits.max_speed[i], limits.max_turn_rate[i], dt
+    )
     dx, dy = vx * dt, vy * dt
     bodies.headings[i] = heading
     bodies.turn_rates[i] = wrap(heading - before) / dt

@@ -132,7 +132,9 @@ def _move(i: int, band: Band, motion: Motion, now: Bodies, after: Bodies, dt: fl
     if abs(turn) > band.max_turn_rate_rad_s * dt:
         turned = heading + math.copysign(band.max_turn_rate_rad_s * dt, turn)
         nose = np.array([math.cos(turned), math.sin(turned)])
-        velocity = max(0.0, float(velocity @ nose)) * nose
+        along = float(velocity @ nose)
+        backwards = motion.kind == Kind.HEADING and motion.y < 0.0
+        velocity = (min(0.0, along) if backwards else max(0.0, along)) * nose
     after.headings[i] = (turned + math.pi) % (2.0 * math.pi) - math.pi
     after.turn_rates[i] = ((after.headings[i] - heading + math.pi) % (2.0 * math.pi) - math.pi) / dt
     after.contacts[i] = False
