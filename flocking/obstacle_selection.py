@@ -26,10 +26,15 @@ class Function(NamedTuple):
     """The largest number that it takes; the smallest is 0."""
 
 
+def _ahead(obstacles: Obstacles, width_deg: float) -> Bools:
+    """Mask (K,) of the obstacles in the sector of that width about straight ahead, its edges excluded."""
+    return avoidance.ahead(obstacles, math.radians(width_deg))
+
+
 OBSTACLE_SELECTIONS = {
     "nearest": Function(avoidance.nearest, 0, 0.0),
     "within": Function(avoidance.within, 1, math.inf),
-    "ahead": Function(lambda obstacles, width: avoidance.ahead(obstacles, math.radians(width)), 1, 360.0),
+    "ahead": Function(_ahead, 1, 360.0),
 }
 """Beside `all`, which keeps everything."""
 

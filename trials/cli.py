@@ -60,14 +60,28 @@ Sweeps = Annotated[
 @app.command("list")
 def list_(
     what: Annotated[
-        Literal["experiments", "laws", "pipelines", "bodies", "worlds"] | None,
+        Literal["experiments", "laws", "pipelines", "selections", "formations", "bodies", "worlds"] | None,
         Argument(help="One kind; all kinds by default."),
     ] = None,
 ) -> None:
-    """Lists what there is: experiments, laws, pipelines, bodies, worlds."""
+    """Lists what there is: experiments, laws, pipelines, selections, formations, bodies, worlds."""
     from trials.listing import listing
 
     print(listing(what))
+
+
+@app.command()
+def laws(
+    name: Annotated[str | None, Argument(help="One law in full: its name or the path of your own file.")] = None,
+) -> None:
+    """Tables all laws by what they require and how they were validated.
+
+    Tables 3.2 and 3.4 of Fine 2015 for the laws that there are; where the authors of a law left a stage undefined, and
+    how it is filled.
+    """
+    from trials import lawtables
+
+    print(lawtables.printed(lawtables.tables()) if name is None else lawtables.one_law(name))
 
 
 @app.command()

@@ -39,6 +39,11 @@ class Wanted(NamedTuple):
         return bool(self.inferable)
 
 
+def pipelines() -> dict[str, ModuleType]:
+    """All member detections by name."""
+    return {name: found.load(PIPELINES, name, "pipeline") for name in found.modules(PIPELINES)}
+
+
 def given(pipeline: ModuleType) -> frozenset[str]:
     """What a pipeline gives: its `GIVES`, or positions and bearings where it does not say."""
     return frozenset(getattr(pipeline, "GIVES", {"positions", "bearings", "obstacles"}))
@@ -92,9 +97,7 @@ def check(group: Group) -> None:
     ways = []
     if missing <= INFERRED and group.association != TWO_SCANS:
         ways.append(f"association (--set {group.name}.association={TWO_SCANS})")
-    for name in found.modules(PIPELINES):
-        if missing <= given(found.load(PIPELINES, name, "pipeline")):
-            ways.append(f"pipeline {name}")
+    ways += [f"pipeline {name}" for name, pipeline in pipelines().items() if missing <= given(pipeline)]
     raise InputError(
         f"law {group.law!r} needs {_listed(missing - inferable)}, which pipeline {group.pipeline!r} does not give; "
         f"given by: {', '.join(ways) or 'no pipeline'}"

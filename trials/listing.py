@@ -15,11 +15,12 @@ from trials.types import Trial
 
 SHOWN_TRIALS = 12
 """First trials of a long list that are shown; the last one follows."""
+KINDS = ["experiments", "laws", "pipelines", "selections", "formations", "bodies", "worlds"]
 
 
 def listing(what: str | None) -> str:
     """Names with one line each, of one kind or of all."""
-    kinds = [what] if what is not None else ["experiments", "laws", "pipelines", "bodies", "worlds"]
+    kinds = [what] if what is not None else KINDS
     parts = []
     for kind in kinds:
         names = _names(kind)
@@ -54,6 +55,8 @@ def planned(plan: Any, chosen: Sequence[Trial]) -> str:
 
 def _names(kind: str) -> dict[str, str]:
     """Names of one kind and the first lines of their docstrings."""
+    if kind in ("selections", "formations"):
+        return _functions(kind)
     packages = {
         "experiments": "trials.experiments",
         "laws": "flocking.laws",
@@ -69,14 +72,35 @@ def _names(kind: str) -> dict[str, str]:
     return {name: _first_sentence(module) for name, module in sorted(modules.items())}
 
 
+def _functions(kind: str) -> dict[str, str]:
+    """Names of things that are functions or classes, and the first sentences of their docstrings."""
+    if kind == "selections":
+        from flocking.obstacle_selection import OBSTACLE_SELECTIONS
+        from flocking.selection import SELECTIONS
+
+        documented: dict[str, Any] = {name: about.function for name, about in SELECTIONS.items()}
+        documented |= {f"obstacles: {name}": about.function for name, about in OBSTACLE_SELECTIONS.items()}
+    else:
+        from trials.kinematic.fields import FORMATION_PARAMETERS
+        from worlds.formations import FORMATIONS
+
+        documented = {f"robots: {name}": function for name, function in FORMATIONS.items()}
+        documented |= {f"kinematic: {name}": fields for name, fields in FORMATION_PARAMETERS.items()}
+    return {name: _opening(thing.__doc__ or "") for name, thing in documented.items()}
+
+
+def _opening(docstring: str) -> str:
+    """Its first sentence, without the last full stop."""
+    return " ".join(docstring.partition("\n\n")[0].split()).partition(". ")[0].rstrip(".")
+
+
 def _first_sentence(module: str) -> str:
     """Of a module's docstring, read without running the module."""
     spec = importlib.util.find_spec(module)
     if spec is None or spec.origin is None:
         return ""
     text = ast.get_docstring(ast.parse(Path(spec.origin).read_text(encoding="utf-8"))) or ""
-    paragraph = " ".join(text.partition("\n\n")[0].split())
-    return paragraph.partition(". ")[0].rstrip(".")
+    return _opening(text)
 
 
 def _trial(trial: Trial) -> tuple[str, ...]:
