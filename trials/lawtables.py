@@ -49,6 +49,7 @@ SHORT = {
     "unbounded obstacles": "unb. obst.",
     "bounded obstacles": "b. obst.",
     "bounded free": "b. free",
+    "periodic free": "per. free",
 }
 """For terminals narrower than the tables."""
 
