@@ -1,0 +1,86 @@
+"""Couzin et al. 2005, figure 1, held against a run: accuracy against the share of informed members, by group size.
+
+Accuracy is the cosine between the way of the group's centre over the last half and the preferred direction: 1 = as the
+informed want, 0 on average without them. The share is that which whole members make: of ten members, 2 % are none.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+
+from trials import figures as draw
+from trials.claims import Cells, Entry, Outcome, Question, Run, UndecidedError, answered, arms, more, published
+from trials.figures import Figure
+from trials.kinematic.figures import Curve, curve_of, curves
+from trials.statistics import slopes
+
+COUNT, SHARE = "herd.count", "herd.informed_share"
+KEYS = (COUNT, SHARE)
+MEASURE = "goal_alignment"
+FEW = 0.05
+"""Share up to which the sizes are compared: with more, all groups find their way."""
+
+
+def claims(run: Run) -> list[Entry]:
+    """Two entries for each arm of the run."""
+    told, entries = published("couzin2005", "figure_1"), []
+    tests = (
+        (
+            "for every size: accuracy at the largest share less that at the smallest with somebody informed, above 0",
+            _rises,
+        ),
+        (f"slope of the accuracy over the logarithm of the size above 0, for the shares up to {FEW:g}", _sizes),
+    )
+    for arm, trials in arms(run, KEYS):
+        cells = Cells(trials, run.rows(), KEYS)
+        for number, (test, outcomes) in enumerate(tests):
+            source = f"couzin2005 figure_1, claim {number + 1} ({told['sections'][number]})"
+            question = Question(source, "accuracy", told["claims"][number], test, partial(outcomes, cells))
+            entries.append(answered(question, cells, arm))
+    return entries
+
+
+def _informed(count: int, share: float) -> int:
+    return round(count * share)
+
+
+def _rises(cells: Cells) -> list[Outcome]:
+    found = []
+    for count in cells.levels(COUNT):
+        shares = [share for share in cells.levels(SHARE) if _informed(count, share)]
+        if len(shares) < 2:
+            raise UndecidedError(f"the run has fewer than two shares of informed members for {count} members")
+        change = cells.difference(MEASURE, (count, shares[-1]), (count, shares[0]))
+        found.append(more(f"N {count}: share {shares[-1]:g} less {shares[0]:g}", change, 0.0))
+    return found
+
+
+def _sizes(cells: Cells) -> list[Outcome]:
+    found = []
+    for share in cells.levels(SHARE):
+        counts = [count for count in cells.levels(COUNT) if _informed(count, share)]
+        if not 0.0 < share <= FEW or len(counts) < 2:
+            continue
+        columns = [cells.values(MEASURE, count, share) for count in counts]
+        table = np.array([[column[repeat] for column in columns] for repeat in sorted(columns[0])])
+        steps = slopes(np.log10(counts), table[np.isfinite(table).all(axis=1)])
+        found.append(more(f"slope a tenfold size, share {share:g}", steps, 0.0))
+    if not found:
+        raise UndecidedError(f"the run has no shares up to {FEW:g} with two sizes")
+    return found
+
+
+def figures(run: Run, folder: Path) -> list[Figure]:
+    """Accuracy against the true share of informed members, a line for each size."""
+    lines = []
+    for count in sorted({int(trial.conditions[COUNT]) for trial in run.trials if COUNT in trial.conditions}):
+        curve = curve_of(run, MEASURE, SHARE, f"N {count}", {COUNT: count})
+        some = [(x, values) for x, values in zip(curve.x, curve.values, strict=True) if _informed(count, x)]
+        shares = [_informed(count, x) / count for x, _ in some]
+        lines.append(Curve(curve.label, shares, [values for _, values in some]))
+    canvas = curves({"accuracy": lines}, "share of informed members", bounds=(-0.6, 1.02))
+    caption = "Mean over the repeats with its 95 % interval. As figure 1 of Couzin et al. 2005."
+    return [draw.save(canvas, folder, "accuracy", "Accuracy against the share of informed members", caption)]

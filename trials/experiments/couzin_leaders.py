@@ -1,0 +1,23 @@
+"""Effective leadership (Couzin et al. 2005): how well a few informed members steer a group, for groups of 10 to 200."""
+
+from __future__ import annotations
+
+from trials.couzin_report import COUNT, SHARE, claims, figures
+from trials.kinematic.fields import group, trial
+from trials.types import Trial
+
+REPEATS = 20
+RECORD = "first"
+CONDITIONS = {
+    COUNT: (10, 30, 50, 100, 200),
+    SHARE: (0.02, 0.05, 0.1, 0.2, 0.3, 0.5),
+}
+KEY_MEASURES = ("goal_alignment", "polarization", "largest_share_end", "groups_end")
+
+
+def base(repeat: int) -> Trial:
+    """A group at random, looking all ways; the goal is so far along x that it is a direction."""
+    return trial("couzin-leaders", repeat, [group("couzin", 50)], world="unbounded", steps=1500, every=10, cut_m=6.0)
+
+
+__all__ = ["CONDITIONS", "KEY_MEASURES", "RECORD", "REPEATS", "base", "claims", "figures"]

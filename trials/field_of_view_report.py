@@ -1,0 +1,56 @@
+"""Figure 4.4 of Fine 2015 as numbers: how directional LCH becomes when members see 240 degrees.
+
+Directional motion is the net displacement of the group's centre from start to end. It counts as more with the limited
+view where the paired difference exceeds 0, and one below `MARGIN_M`, the size of a step times the root of the number of
+steps (what a random walk of the centre would reach), does not count.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+from pathlib import Path
+
+from trials import figures as draw
+from trials.claims import Cells, Entry, Outcome, Question, Run, answered, arms, more, published
+from trials.figures import Figure
+from trials.kinematic.figures import first_result, ways
+
+SELECTION = "herd.selection"
+FULL, LIMITED = "all", "field-of-view(240)"
+MARGIN_M = 0.1 * 75.0**0.5
+DIRECTED_MARGIN = 0.1
+"""A tenth of the members' way; a choice."""
+
+
+def claims(run: Run) -> list[Entry]:
+    """One entry for each arm of the run."""
+    told, entries = published("fine2015", "lch_claims"), []
+    for arm, trials in arms(run, (SELECTION,)):
+        cells = Cells(trials, run.rows(), (SELECTION,))
+        question = Question(
+            f"fine2015 lch_claims, claim 3 (section {told['sections'][2]})",
+            "240 degrees less all around",
+            told["claims"][2],
+            f"paired differences above 0, of at least {MARGIN_M:.2f} m and {DIRECTED_MARGIN:g} to count",
+            partial(_directional, cells),
+        )
+        entries.append(answered(question, cells, arm))
+    return entries
+
+
+def _directional(cells: Cells) -> list[Outcome]:
+    return [
+        more(
+            "net displacement of the centre, m",
+            cells.difference("net_displacement", (LIMITED,), (FULL,)),
+            MARGIN_M,
+        ),
+        more("the same over the members' way", cells.difference("directedness", (LIMITED,), (FULL,)), DIRECTED_MARGIN),
+    ]
+
+
+def figures(run: Run, folder: Path) -> list[Figure]:
+    """Figure 4.4: the ways with either view."""
+    panels = [(name, first_result(run, {SELECTION: name})) for name in (FULL, LIMITED)]
+    caption = "Blue: where members start; green: where they end; first trial of each. As figure 4.4 of Fine 2015."
+    return [draw.save(ways(panels, columns=2), folder, "ways", "Ways", caption, dots=True)]
