@@ -15,11 +15,10 @@ from trials import information
 from trials.knowledge import SOURCES
 from trials.obstacle_stage import AS_LAW, AVOID, CHOICES
 from trials.rows import Row, added, rows_of, told
+from trials.simulations import AVOIDS
 from trials.types import Group, Trial
 from worlds import formations
 
-AVOIDS = "+"
-"""Behind a law's name: with avoidance."""
 FOR_CREATES = "for Creates: the law's file"
 
 

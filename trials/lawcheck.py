@@ -1,8 +1,9 @@
 """A user's law tried out before a batch starts, in a process of its own that can be stopped.
 
 The law is called on a handful of situations, first as written, then compiled: a file that does not parse, lacks its
-function, returns something else than a `Motion` or numbers that are not finite, indexes out of bounds or never
-returns is refused in one line.
+function, has values or selections that cannot be, returns something else than a `Motion` or numbers that are not
+finite, indexes out of bounds or never returns is refused in one line. It is given what it says that it needs and nan
+for the rest, as it would be on robots that see no more.
 """
 
 from __future__ import annotations
@@ -15,7 +16,8 @@ import threading
 import traceback
 from collections.abc import Callable
 from pathlib import Path
-from typing import IO
+from types import ModuleType
+from typing import IO, Any, NamedTuple
 
 import numpy as np
 
@@ -72,6 +74,15 @@ def _listen(stream: IO[str] | None, lines: queue.SimpleQueue[str | None]) -> Non
     lines.put(None)
 
 
+class Call(NamedTuple):
+    """One call of the law but for its memory, which each call begins anew."""
+
+    case: str
+    inputs: tuple[Any, ...]
+    memory: int
+    u: np.ndarray
+
+
 def situations() -> dict[str, np.ndarray]:
     """Positions (M, 2) of neighbours that any law must bear."""
     rng = np.random.default_rng(0)
@@ -80,6 +91,7 @@ def situations() -> dict[str, np.ndarray]:
         "one neighbour": np.array([[1.5, 0.4]]),
         "two neighbours": np.array([[1.0, 0.5], [2.0, -0.5]]),
         "coincident neighbours": np.array([[1.0, 0.5], [1.0, 0.5], [1.0, 0.5]]),
+        "a neighbour in its own place": np.array([[0.0, 0.0], [1.0, 0.5]]),
         "a neighbour nearby": np.array([[0.34, 0.0], [2.0, 0.0]]),
         "sixty neighbours": rng.uniform(-5.0, 5.0, size=(60, 2)),
     }
@@ -88,51 +100,112 @@ def situations() -> dict[str, np.ndarray]:
 def try_out(path: str) -> None:
     """In the process of its own: raises `InputError` at the first fault, prints each stage as it begins."""
     from flocking import lawentry
-    from flocking.types import NO_OBSTACLES, Kind, Motion, Own, members_at
 
     source = lawentry.read_source(path)
     module = lawentry.module_of(path, source)
-    parameters = module.Parameters()
-    sets = len(tuple(getattr(module, "SETS", ("neighbours",))))
-    memory, draws = int(getattr(module, "MEMORY", 0)), int(getattr(module, "DRAWS", 0))
-    rules = tuple(getattr(module, "RULES", ("law",)))
-    own = Own(np.array([0.2, 0.0]), 0.0, math.nan, np.full(2, math.nan), np.zeros(2, dtype=bool), 0.1, 0, 0)
-
-    def judged(motion: object, case: str) -> None:
-        if not isinstance(motion, Motion):
-            shape = f" of {len(motion)}" if isinstance(motion, tuple) else ""
-            raise InputError(
-                f"law file {path!r} returned {type(motion).__name__}{shape} for member 1 with {case}; "
-                "expected Motion(kind, x, y, rule)"
-            )
-        numbers = [float(value) for value in motion]
-        still = numbers[0] in (Kind.HOLD, Kind.STOP)
-        if numbers[0] not in list(Kind) or not (still or all(map(math.isfinite, numbers[1:3]))):
-            raise InputError(
-                f"law file {path!r} returned kind {numbers[0]:g}, x {numbers[1]:g}, y {numbers[2]:g} for member 1 "
-                f"with {case}; expected a kind of 0 to {len(Kind) - 1} and finite numbers"
-            )
-        if not 0 <= numbers[3] < len(rules):
-            raise InputError(f"law file {path!r} returned rule {numbers[3]:g} with {case}; RULES has {len(rules)}")
-
-    def tried(call: Callable[..., object], how: str) -> None:
-        for case, positions in situations().items():
-            print(f"{_STAGE}{how}member 1 with {case}", flush=True)
-            mask = np.ones((sets, len(positions)), dtype=np.bool_)
-            members, numbers = members_at(positions), np.full(draws, 0.3)
-            try:
-                motion = call(own, members, mask, NO_OBSTACLES, parameters, np.zeros(memory), numbers)
-            except Exception as error:
-                frames = traceback.extract_tb(error.__traceback__)
-                line = next((f"line {f.lineno}: " for f in reversed(frames) if f.filename == module.__file__), "")
-                raise InputError(
-                    f"law file {path!r} failed for member 1 with {case}: {line}{type(error).__name__}: {error}"
-                ) from None
-            judged(motion, case)
-
-    tried(module.law, "")
+    values = _values(module, path)
+    calls = [call for parameters in values for call in _calls(module, parameters, path)]
+    _try(module.law, "", calls, module, path)
     print(f"{_STAGE}{COMPILING}", flush=True)
-    tried(lawentry.load(path, source).decide, "compiled, ")
+    _try(lawentry.load(path, source).decide, "compiled, ", calls, module, path)
+
+
+def _values(module: ModuleType, path: str) -> list[Any]:
+    """The parameters' defaults, and their values for Creates where these differ; each must be within its bounds."""
+    from flocking.parameters import checked, declared, filled
+
+    try:
+        usual = {name: checked(f"law.{name}", d.default, d) for name, d in declared(module.Parameters).items()}
+        creates = filled(module.Parameters, {**usual, **getattr(module, "CREATE", {})}, prefix="law.")
+    except (InputError, TypeError) as error:
+        raise InputError(f"law file {path!r}: {error}") from None
+    values = module.Parameters(**usual)
+    return [values] if values == creates else [values, creates]
+
+
+def _calls(module: ModuleType, parameters: Any, path: str) -> list[Call]:
+    """What the law is called with, one for each situation and, where it draws, for low and high draws too."""
+    from flocking import lawentry, selection
+    from flocking.parameters import declared
+    from flocking.types import NO_OBSTACLES, Members, Obstacles, Own, unknown
+
+    try:
+        texts, names = lawentry.sets_of(module), declared(module.Parameters)
+        sets = [selection.resolved(steps, parameters._asdict()) for steps in selection.parse_sets("all", texts, names)]
+    except InputError as error:
+        raise InputError(f"law file {path!r}: SETS: {error}") from None
+    needs = lawentry.needs_of(module) | selection.needs(step for steps in sets for step in steps)
+    memory, draws = int(getattr(module, "MEMORY", 0)), int(getattr(module, "DRAWS", 0))
+    rng = np.random.default_rng(1)
+    found = []
+    for case, positions in situations().items():
+        count = len(positions)
+        headings, velocities, ids = unknown(count)
+        members = Members(
+            positions,
+            np.arctan2(positions[:, 1], positions[:, 0]),
+            rng.uniform(-np.pi, np.pi, count) if "headings" in needs else headings,
+            rng.uniform(-0.4, 0.4, (count, 2)) if "velocities" in needs else velocities,
+            np.arange(1, count + 1) if "ids" in needs else ids,
+        )
+        linked = np.ones(count, dtype=np.bool_)
+        mask = np.array([selection.select(steps, members, linked) for steps in sets]).reshape(len(sets), count)
+        for u, speed, goal, walls in ((0.3, 0.2, math.nan, 2), (0.0, 0.0, 3.0, 0), (1.0 - 2.0**-53, 0.3, -1.0, 1)):
+            own = Own(
+                np.array([speed, 0.0]),
+                speed,
+                1.0 if "compass" in needs else math.nan,
+                np.array([goal, 0.5 * goal]) if "goal" in needs else np.full(2, math.nan),
+                np.array([walls > 0, walls > 1]) if "contacts" in needs else np.zeros(2, dtype=np.bool_),
+                0.1,
+                0,
+                0,
+            )
+            points = np.array([[0.6, 0.3], [-0.2, -1.0]])[:walls]
+            obstacles = Obstacles(points) if "obstacles" in needs else NO_OBSTACLES
+            found.append(Call(case, (own, members, mask, obstacles, parameters), memory, np.full(draws, u)))
+    return found
+
+
+def _try(function: Callable[..., object], how: str, calls: list[Call], module: ModuleType, path: str) -> None:
+    """Calls the law. Raises `InputError` for a call that fails or gives what it must not."""
+    rules = tuple(getattr(module, "RULES", ("law",)))
+    for call in calls:
+        print(f"{_STAGE}{how}member 1 with {call.case}", flush=True)
+        try:
+            motion = function(*call.inputs, np.zeros(call.memory), call.u)
+        except Exception as error:
+            frames = traceback.extract_tb(error.__traceback__)
+            line = next((f"line {f.lineno}: " for f in reversed(frames) if f.filename == module.__file__), "")
+            raise InputError(
+                f"law file {path!r} failed for member 1 with {call.case}: {line}{type(error).__name__}: {error}"
+            ) from None
+        _judge(motion, call.case, rules, path)
+
+
+def _judge(motion: object, case: str, rules: tuple[str, ...], path: str) -> None:
+    from flocking.types import Kind, Motion
+
+    if not isinstance(motion, Motion):
+        shape = f" of {len(motion)}" if isinstance(motion, tuple) else ""
+        raise InputError(
+            f"law file {path!r} returned {type(motion).__name__}{shape} for member 1 with {case}; "
+            "expected Motion(kind, x, y, rule)"
+        )
+    try:
+        kind, x, y, rule = map(float, motion)
+    except (TypeError, ValueError):
+        raise InputError(
+            f"law file {path!r} returned {tuple(motion)} for member 1 with {case}; expected four numbers"
+        ) from None
+    still = kind in (Kind.HOLD, Kind.STOP)
+    if kind not in list(Kind) or not (still or (math.isfinite(x) and math.isfinite(y))):
+        raise InputError(
+            f"law file {path!r} returned kind {kind:g}, x {x:g}, y {y:g} for member 1 "
+            f"with {case}; expected a kind of 0 to {len(Kind) - 1} and finite numbers"
+        )
+    if rule not in range(len(rules)):
+        raise InputError(f"law file {path!r} returned rule {rule:g} for member 1 with {case}; RULES has {len(rules)}")
 
 
 def _main(path: str) -> int:

@@ -92,11 +92,13 @@ def check_laws(asked: Asked) -> None:
     """Tries out each law that is a file of the user's own, in a process that can be stopped."""
     from flocking.lawentry import is_path
     from trials.lawcheck import check
+    from trials.simulations import AVOIDS
 
     swept = {**{key: [value] for key, value in asked.settings.items()}, **asked.sweep}
     laws = [asked.law, *(value for key, values in swept.items() if key.endswith(".law") for value in values)]
-    for law in dict.fromkeys(law for law in laws if isinstance(law, str) and is_path(law)):
-        check(law)
+    names = [law.removesuffix(AVOIDS) for law in laws if isinstance(law, str)]
+    for name in dict.fromkeys(filter(is_path, names)):
+        check(name)
 
 
 def start(asked: Asked, out: Path | None, jobs: int) -> int:

@@ -13,6 +13,8 @@ if TYPE_CHECKING:
     from trials.rows import Row
 
 PHYSICS, KINEMATIC = "physics", "kinematic"
+AVOIDS = "+"
+"""Behind a law's name: with the avoidance of obstacles that all laws share."""
 
 
 def is_kinematic(trial: Trial) -> bool:

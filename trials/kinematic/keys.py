@@ -11,6 +11,7 @@ from flocking.errors import unknown_name
 from flocking.parameters import Parameter, checked, declared
 from trials.kinematic import fields
 from trials.rows import Row, added, rows_of, told
+from trials.simulations import AVOIDS
 from trials.types import Group, Trial
 
 
@@ -62,10 +63,13 @@ def _put_group(trial: Trial, group: Group, key: str, parts: list[str], value: An
             selection.parse(value)
         if field != "law":
             return dataclasses.replace(group, **{field: value})
-        if lawentry.is_path(value):
-            return dataclasses.replace(group, law=value, law_source=lawentry.read_source(value), law_parameters={})
-        found.load("flocking.laws", value, "law")
-        return dataclasses.replace(group, law=value.replace("_", "-"), law_source="", law_parameters={})
+        law = value.removesuffix(AVOIDS)
+        if law != value:
+            group = dataclasses.replace(group, kinematics={**group.kinematics, "obstacles": "avoid"})
+        if lawentry.is_path(law):
+            return dataclasses.replace(group, law=law, law_source=lawentry.read_source(law), law_parameters={})
+        found.load("flocking.laws", law, "law")
+        return dataclasses.replace(group, law=law.replace("_", "-"), law_source="", law_parameters={})
     if len(parts) == 1 and field in numbers:
         return dataclasses.replace(group, kinematics={**group.kinematics, field: checked(key, value, numbers[field])})
     if len(parts) == 2 and field == "law":
