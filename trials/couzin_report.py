@@ -20,6 +20,8 @@ from trials.statistics import slopes
 COUNT, SHARE = "herd.count", "herd.informed_share"
 KEYS = (COUNT, SHARE)
 MEASURE = "goal_alignment"
+MARGIN = 0.02
+"""The least difference of accuracy that counts; a choice."""
 FEW = 0.05
 """Share up to which the sizes are compared: with more, all groups find their way."""
 
@@ -54,7 +56,7 @@ def _rises(cells: Cells) -> list[Outcome]:
         if len(shares) < 2:
             raise UndecidedError(f"the run has fewer than two shares of informed members for {count} members")
         change = cells.difference(MEASURE, (count, shares[-1]), (count, shares[0]))
-        found.append(more(f"N {count}: share {shares[-1]:g} less {shares[0]:g}", change, 0.0))
+        found.append(more(f"N {count}: share {shares[-1]:g} less {shares[0]:g}", change, MARGIN))
     return found
 
 
@@ -67,7 +69,7 @@ def _sizes(cells: Cells) -> list[Outcome]:
         columns = [cells.values(MEASURE, count, share) for count in counts]
         table = np.array([[column[repeat] for column in columns] for repeat in sorted(columns[0])])
         steps = slopes(np.log10(counts), table[np.isfinite(table).all(axis=1)])
-        found.append(more(f"slope a tenfold size, share {share:g}", steps, 0.0))
+        found.append(more(f"slope a tenfold size, share {share:g}", steps, MARGIN))
     if not found:
         raise UndecidedError(f"the run has no shares up to {FEW:g} with two sizes")
     return found

@@ -21,6 +21,7 @@ from trials.kinematic.figures import curve_of, curves
 COUNT, NOISE = "herd.count", "herd.law.noise_rad"
 KEYS = (COUNT, NOISE)
 ORDERED, DISORDERED, MARGIN = 0.95, 0.3, 0.02
+"""Choices; a difference in order counts from a margin on."""
 MEMBERS, QUIET, LOUD, LARGE_NOISE = 400, 0.1, 5.0, 4.0
 
 
@@ -53,7 +54,7 @@ def _sizes(cells: Cells) -> list[Outcome]:
         more(
             f"order, N {small} less N {large}, noise {noise:g}",
             cells.difference("polarization", (small, noise), (large, noise)),
-            0.0,
+            MARGIN,
         )
         for noise in cells.levels(NOISE)
         if noise >= LARGE_NOISE

@@ -17,7 +17,7 @@ KEY_MEASURES = ("goal_alignment", "polarization", "largest_share_end", "groups_e
 
 def base(repeat: int) -> Trial:
     """A group at random, looking all ways; the goal is so far along x that it is a direction."""
-    return trial("couzin-leaders", repeat, [group("couzin", 50)], world="unbounded", steps=1500, every=10, cut_m=6.0)
+    return trial("couzin-leaders", repeat, [group("couzin", 50)], world="unbounded", steps=1000, every=10, cut_m=6.0)
 
 
 __all__ = ["CONDITIONS", "KEY_MEASURES", "RECORD", "REPEATS", "base", "claims", "figures"]
