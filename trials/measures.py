@@ -12,9 +12,11 @@ from typing import Any
 import numpy as np
 
 from flocking import measures as formation
+from flocking.measures_groups import largest_share
 from flocking.types import Bools, Floats, Ints, Kind
 from sensing.truth import DETECTED, MISSED
 from trials.about import Measure
+from trials.measures_following import following
 from trials.types import TrialResult, Updates
 
 NEAREST_BOUND = math.radians(15.0)
@@ -75,8 +77,24 @@ ABOUT: dict[str, Measure] = {
     "member_collisions": Measure("", "touches between two members"),
     "wall_collisions": Measure("", "touches of a wall"),
     "distance_travelled": Measure("m", "way of a robot, mean over the herd"),
+    "largest_share": Measure("", "share of the robots in the largest group (1.32 m), mean over the second half"),
+    "net_displacement": Measure("m", "how far the herd's centre is from its start, at the end"),
+    "follow_share": Measure("", "of the way-points: share that is made from the inputs of one member alone"),
+    "kept_share": Measure("", "of the updates in which nothing was detected: share that left the command as it was"),
 }
 """Every measure, in the order in which they are shown."""
+
+
+LATE = (
+    "polarization",
+    "group_speed",
+    "mmd",
+    "nearest_neighbour_distance",
+    "groups",
+    "straightness",
+    "largest_share",
+)
+"""Means over the second half of the formation's measures."""
 
 
 def measure(result: TrialResult) -> dict[str, float]:
@@ -86,6 +104,7 @@ def measure(result: TrialResult) -> dict[str, float]:
         **_smoothness(result),
         **_detection(result.updates, len(result.robot_names)),
         **_formation(result),
+        **following(result),
     }
     return {name: float(found[name]) for name in ABOUT}
 
@@ -239,10 +258,10 @@ def _formation(result: TrialResult) -> dict[str, Any]:
         "member_collisions": int((touches >= 0).sum()),
         "wall_collisions": int((touches < 0).sum()),
         "distance_travelled": _mean(formation.path_length(result.poses_w[..., :2])),
+        "net_displacement": _mean(formation.net_displacement(result.poses_w[..., :2])[-1:]),
     }
     if len(poses) == 0 or not np.isfinite(poses).all():
-        names = ("polarization", "group_speed", "mmd", "nearest_neighbour_distance", "groups", "straightness")
-        return found | dict.fromkeys(names, math.nan)
+        return found | dict.fromkeys(LATE, math.nan)
     positions = poses[..., :2]
     velocities = np.diff(positions, axis=0) / np.diff(result.times[late])[:, None, None]
     lines = formation.straightness(positions)
@@ -253,6 +272,7 @@ def _formation(result: TrialResult) -> dict[str, Any]:
         "nearest_neighbour_distance": _mean(formation.nearest_neighbour_distance(positions)),
         "groups": _mean(formation.number_of_groups(positions, GROUP_CUT_M)),
         "straightness": _mean(lines[np.isfinite(lines)]),
+        "largest_share": _mean(largest_share(positions, GROUP_CUT_M)),
     }
 
 

@@ -1,0 +1,96 @@
+"""What robots do about those whom they see, and about nobody: following one member, keeping the direction.
+
+Source of what is measured: Fine 2015, section 4.2 and figure 4.3: a robot that selects one member follows the leader.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from flocking import selection
+from flocking.types import Bools, Floats, Ints, Kind, Members
+from trials.information import selections
+from trials.types import TrialResult, Updates
+
+
+def followed(result: TrialResult) -> Ints:
+    """(U,) the member that a way-point is made from: all inputs in the law's sets are its own; −1: there is no such."""
+    updates = result.updates
+    chosen = np.full(len(updates.times), -1, dtype=np.int64)
+    first = 0
+    for group in result.trial.groups:
+        sets = selections(group)
+        own = (updates.robots >= first) & (updates.robots < first + group.count) & (updates.kinds == Kind.WAY_POINT)
+        if not any(sets):  # everybody is selected
+            own &= _of_one_owner(updates)
+            chosen[own] = updates.input_owners[updates.input_starts[:-1][own]]
+        else:
+            for u in np.flatnonzero(own):
+                chosen[u] = _only_owner(updates, int(u), sets)
+        first += group.count
+    return chosen
+
+
+def unchanged(updates: Updates) -> Bools:
+    """(U,) whether the robot's command is the one of its update before; false for its first."""
+    order = np.lexsort((updates.times, updates.robots))
+    robots, commands = updates.robots[order], updates.commands[order]
+    same = (robots[1:] == robots[:-1]) & (commands[1:] == commands[:-1]).all(axis=1)
+    found = np.zeros(len(order), dtype=np.bool_)
+    found[order[1:]] = same
+    return found
+
+
+def following(result: TrialResult) -> dict[str, float]:
+    """Shares of updates; nan where there were none to measure on."""
+    updates = result.updates
+    blind = (np.diff(updates.input_starts) == 0) & ~_first_of_each(updates)
+    return {
+        "follow_share": _share(followed(result) >= 0, updates.kinds == Kind.WAY_POINT),
+        "kept_share": _share(unchanged(updates), blind),
+    }
+
+
+def _of_one_owner(updates: Updates) -> Bools:
+    """(U,) whether all inputs of an update are of the same owner, and there are some."""
+    counts = np.diff(updates.input_starts)
+    some = np.flatnonzero(counts)
+    found = np.zeros(len(counts), dtype=np.bool_)
+    if len(some):
+        starts = updates.input_starts[some]
+        owners = updates.input_owners
+        found[some] = np.minimum.reduceat(owners, starts) == np.maximum.reduceat(owners, starts)
+    return found
+
+
+def _only_owner(updates: Updates, u: int, sets: list[list[selection.Chosen]]) -> int:
+    """The one member of which all inputs in the sets are; −1 if there are several, or none, or made-up ones."""
+    inputs = slice(updates.input_starts[u], updates.input_starts[u + 1])
+    owners = updates.input_owners[inputs].astype(np.int64)
+    kept = _chosen(updates.input_positions[inputs].astype(np.float64), owners, sets)
+    return int(owners[kept][0]) if kept.any() and (owners[kept] == owners[kept][0]).all() else -1
+
+
+def _chosen(positions: Floats, owners: Ints, sets: list[list[selection.Chosen]]) -> Bools:
+    """(M,) which inputs are in any of the sets."""
+    none = np.full(len(owners), np.nan)
+    bearings = np.arctan2(positions[:, 1], positions[:, 0])
+    members = Members(positions, bearings, none, np.full((len(owners), 2), np.nan), owners)
+    kept = np.zeros(len(owners), dtype=np.bool_)
+    for steps in sets:
+        kept |= selection.select(steps, members)
+    return kept
+
+
+def _first_of_each(updates: Updates) -> Bools:
+    order = np.argsort(updates.times, kind="stable")
+    found = np.zeros(len(order), dtype=np.bool_)
+    found[order[np.unique(updates.robots[order], return_index=True)[1]]] = True
+    return found
+
+
+def _share(of: Bools, among: Bools) -> float:
+    whole = int(among.sum())
+    return int((of & among).sum()) / whole if whole else math.nan
