@@ -97,7 +97,11 @@ def check(group: Group) -> None:
     ways = []
     if missing <= INFERRED and group.association != TWO_SCANS:
         ways.append(f"association (--set {group.name}.association={TWO_SCANS})")
-    ways += [f"pipeline {name}" for name, pipeline in pipelines().items() if missing <= given(pipeline)]
+    for name, pipeline in pipelines().items():
+        has = given(pipeline)
+        inferred = INFERRED if group.association == TWO_SCANS and "positions" in has else frozenset()
+        if missing <= has | inferred:
+            ways.append(f"pipeline {name}")
     raise InputError(
         f"law {group.law!r} needs {_listed(missing - inferable)}, which pipeline {group.pipeline!r} does not give; "
         f"given by: {', '.join(ways) or 'no pipeline'}"

@@ -64,11 +64,13 @@ def make_run(folder: Path) -> None:
     ("words", "expected"),
     [
         (["rnu"], ["rnu", "'run'"]),
-        (["fly"], ["fly", "list, show, run"]),
+        (["fly"], ["fly", "list, laws, show, run"]),
         (["run"], ["experiment"]),
         (["run", "detection-case-studdy"], ["detection-case-studdy", "did you mean detection-case-study"]),
         (["show", "nothing-like-it"], ["nothing-like-it", "detection-case-study"]),
         (["list", "lows"], ["'lows'", "'laws'"]),
+        (["laws", "viscek"], ["'viscek'", "did you mean vicsek"]),
+        (["laws", "nowhere/mine.py"], ["nowhere/mine.py", "does not exist"]),
         ([*RUN, "--repeatz", "3"], ["--repeatz", "--repeats"]),
         ([*RUN, "--repeats"], ["--repeats", "argument"]),
         ([*RUN, "--repeats", "0"], ["--repeats", "'0'", "at least 1"]),
@@ -90,6 +92,41 @@ def make_run(folder: Path) -> None:
         ([*RUN, "--only", "1-2", "--debug"], ["--debug", "--only"]),
         ([*RUN, "--law", "extended-hamiltn"], ["extended-hamiltn", "did you mean extended-hamilton"]),
         ([*RUN, "--law", "nowhere/mine.py"], ["nowhere/mine.py", "does not exist"]),
+        ([*RUN, "--law", "nowhere/mine.py+"], ["nowhere/mine.py", "does not exist"]),
+        ([*RUN, "--law", "snnn+"], ["'snnn'", "did you mean snn"]),
+        ([*RUN, "--law", "kelly-keating"], ["kelly-keating", "needs ids,", "member-based", "pipeline perfect"]),
+        (
+            [*RUN, "--law", "vicsek", "--set", "herd.association=none"],
+            ["vicsek", "needs headings", "herd.association=two-scans", "pipeline perfect"],
+        ),
+        (
+            [*RUN, "--law", "turgut", "--pipeline", "perfect-members"],
+            ["turgut", "needs obstacles", "perfect-members", "pipeline member-based"],
+        ),
+        (
+            [*RUN, "--law", "snn+", "--pipeline", "perfect-readings"],
+            ["snn", "needs obstacles", "perfect-readings", "pipeline perfect"],
+        ),
+        ([*RUN, "--law", "tanner-fixed"], ["tanner-fixed", "'neighbours'", "no graph", "fixed-set(0, 1, 2, 3, 4, 5)"]),
+        ([*RUN, "--set", "herd.selection=fixed-set(1)"], ["needs ids", "member-based", "pipeline perfect"]),
+        ([*RUN, "--set", "herd.selection=fixed-set"], ["fixed-set without ids", "no graph"]),
+        ([*RUN, "--set", "herd.selection=nearst"], ["nearst", "did you mean nearest"]),
+        ([*RUN, "--set", "herd.selection=k-nearest(0)"], ["k-nearest(0)", "at least 1"]),
+        ([*RUN, "--set", 'herd.selection="repulsion: nearest"'], ["'repulsion'", "neighbours"]),
+        (
+            [*RUN, "--law", "couzin", "--set", 'herd.selection="repulson: nearest; interaction: all"'],
+            ["'repulson'", "did you mean repulsion"],
+        ),
+        (
+            [*RUN, "--law", "conradt", "--set", "herd.law.alpha_m=9"],
+            ["distance-based(9, ", "low <= high"],
+        ),
+        ([*RUN, "--law", "vicsek", "--set", "herd.law.range_m=-1"], ["herd.law.range_m", "-1", "at least 0"]),
+        ([*RUN, "--set", "herd.obstacles=avoids"], ["herd.obstacles", "'avoids'", "did you mean avoid"]),
+        ([*RUN, "--set", 'herd.obstacle_selection="within(-1)"'], ["within", "from 0"]),
+        ([*RUN, "--set", "herd.own_motion=compass"], ["herd.own_motion", "commands or odometry or true"]),
+        ([*RUN, "--set", "herd.association.gate_m=-1"], ["herd.association.gate_m", "-1", "at least 0"]),
+        ([*RUN, "--set", "herd.avoidance.margin=1"], ["herd.avoidance.margin"]),
         ([*RUN, "--pipeline", "member-base"], ["member-base", "member-based"]),
         ([*RUN, "--body", "creature"], ["creature", "create"]),
         ([*RUN, "--set", "herd.law.repulsion"], ["herd.law.repulsion", "KEY=VALUE"]),
@@ -135,7 +172,33 @@ def test_bad_words(refused, words: list[str], expected: list[str]) -> None:
         ("def law(:\n", "line 1"),
         ("x = 1\n", "law"),
         (LAW_HEAD + "    return 1.0, 2.0\n", "Motion"),
-        (LAW_HEAD + "    return Motion(Kind.VELOCITY, math.nan, 0.0, 0)\n", "nan"),
+        (LAW_HEAD + "    return Motion(Kind.VELOCITY, math.nan, 0.0, 0)\n", "nan, y 0 for member 1 with"),
+        (LAW_HEAD + "    return Motion(Kind.VELOCITY, 0.0, math.inf, 0)\n", "inf for member 1 with"),
+        (LAW_HEAD + "    return Motion(Kind.STOP, 0.0, 0.0, 3)\n", "rule 3 for member 1 with"),
+        (LAW_HEAD + "    return Motion(Kind.VELOCITY, own.velocity, 0.0, 0)\n", "expected four numbers"),
+        (LAW_HEAD + "    return Motion(Kind.HEADING, own.compass, 0.2, 0)\n", "nan"),
+        (
+            LAW_HEAD
+            + "    x = members.headings[0] if len(members.ids) else 0.0\n    return Motion(Kind.HEADING, x, 0.2, 0)\n",
+            "nan, y 0.2 for member 1 with one neighbour",
+        ),
+        (LAW_HEAD.replace("(own, members, ", "(own, ") + "    return Motion(Kind.STOP, 0.0, 0.0, 0)\n", "member 1"),
+        (LAW_HEAD + "    return Motion(Kind.STOP, 0.0, 0.0, 0)\nSETS = {'near': 'nearst'}\n", "SETS"),
+        (LAW_HEAD + "    return Motion(Kind.STOP, 0.0, 0.0, 0)\nSETS = {'near': 'k-nearest(-1)'}\n", "at least 1"),
+        (LAW_HEAD + "    return Motion(Kind.STOP, 0.0, 0.0, 0)\nNEEDS = {'smells'}\n", "smells"),
+        (LAW_HEAD + "    return Motion(Kind.STOP, 0.0, 0.0, 0)\nCREATE = {'range_m': 1.0}\n", "range_m"),
+        (
+            (LAW_HEAD + "    return Motion(Kind.STOP, 0.0, 0.0, 0)\n")
+            .replace(
+                "    pass\n",
+                "    range_m: Annotated[float, Parameter('m', 'mine', low=0.0)] = -1.0\n",
+            )
+            .replace(
+                "import math\n",
+                "import math\nfrom typing import Annotated\nfrom flocking.parameters import Parameter\n",
+            ),
+            "law.range_m = -1.0: expected a finite number of at least 0",
+        ),
         (
             LAW_HEAD
             + "    x = members.positions[len(members.positions), 0]\n    return Motion(Kind.VELOCITY, x, 0.0, 0)\n",
