@@ -24,6 +24,7 @@ import numpy as np
 
 from flocking.errors import InputError
 from flocking.types import Floats
+from trials import bench_kinematic
 from trials.design import plan
 from trials.herd import Herd, assemble
 from trials.log import Log
@@ -277,6 +278,25 @@ def start_up() -> list[Figure]:
     ]
 
 
+def kinematic_herd() -> list[Figure]:
+    """Boids in the open, short range, on one core; against plain NumPy, member by member."""
+    found = bench_kinematic.measured(_repeated)
+    targets = {"10,000 boids": 100.0}
+    figures = [
+        Figure(name, "steps/s", runs, targets.get(name, math.nan)) for name, runs in found.items() if "boids" in name
+    ]
+    most, least = max(bench_kinematic.SIZES), min(bench_kinematic.SIZES)
+    growth_name = f"cost of a step, {least:,} to {most:,} boids"
+    figures.append(Figure(growth_name, "exponent", found["exponent"], 1.15, at_least=False))
+    figures.append(Figure(f"{bench_kinematic.SMALL} boids against plain NumPy", "x faster", found["plain"], 200.0))
+    return figures
+
+
+def whole_experiment() -> list[Figure]:
+    """`herd run lch-table-4-1`: 160 simulations with their report, all cores, start-up included."""
+    return [Figure("lch-table-4-1", "s", _repeated(bench_kinematic.table_4_1_seconds), 20.0, at_least=False)]
+
+
 MEASURES: Sequence[Callable[[], list[Figure]]] = (
     herd_speed,
     beyond_physics,
@@ -286,6 +306,8 @@ MEASURES: Sequence[Callable[[], list[Figure]]] = (
     recording,
     workers,
     start_up,
+    kinematic_herd,
+    whole_experiment,
 )
 
 
