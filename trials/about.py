@@ -20,9 +20,10 @@ def about(trials: Sequence[Trial]) -> dict[str, Measure]:
     from trials.simulations import is_kinematic
 
     if trials and is_kinematic(trials[0]):
+        from trials.kinematic.links import ABOUT as LINKS
         from trials.kinematic.measures import ABOUT as KINEMATIC
 
-        return KINEMATIC
+        return KINEMATIC | LINKS
     from trials.measures import ABOUT as PHYSICAL
 
     return PHYSICAL

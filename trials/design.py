@@ -6,6 +6,9 @@ An experiment's file holds
 - `REPEATS`: how many times each cell is run by default;
 - `CONDITIONS`: the dotted keys that it varies and their values: a full factorial design;
 - `base(repeat) -> Trial`: the trial of that repeat before the conditions are put in;
+- optionally `cells(conditions) -> list[dict]`: the keys and values of each cell, where the design is not a full
+  factorial of the conditions (its own, or those that the user put in their place);
+- optionally `finish(trial) -> Trial`: what follows from the conditions and the user's settings once they are put in;
 - optionally `SOURCES`: its own words on where a key's value comes from;
 - optionally `RECORD`: which trials are recorded where `herd run` is not told (`all`, unless it says otherwise);
 - optionally `KEY_MEASURES`: the measures that a first look at the report needs;
@@ -119,6 +122,7 @@ def plan(
             for cell in cells:
                 trial = dataclasses.replace(module.base(repeat), index=len(trials) + 1, seed=seed, repeat=repeat)
                 trial = _put(trial, {**settings, **arm, **cell})
+                trial = module.finish(trial) if hasattr(module, "finish") else trial
                 trials.append(dataclasses.replace(trial, experiment=name, conditions={**arm, **cell}))
     trials = [simulations.settled(_spelled(trial)) for trial in trials]
     return Plan(
@@ -173,6 +177,9 @@ def _cells(
         if key not in known:
             notes[f"{key} is left out: the law has no parameter {key.rsplit('.', 1)[-1]}"] = None
     kept = {key: values for key, values in conditions.items() if key in known}
+    if hasattr(module, "cells"):
+        found: list[dict[str, Any]] = module.cells(kept)
+        return found
     return [dict(zip(kept, values, strict=True)) for values in itertools.product(*kept.values())]
 
 

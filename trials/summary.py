@@ -25,6 +25,8 @@ PHYSICAL_MEASURES = (
     "mmd",
 )
 """Those of robots that a first look needs; every measure of a run is in its report's page."""
+PART = "/"
+"""In a name: a number of a table that an experiment's own claims and figures read, and no measure by itself."""
 KINEMATIC_MEASURES = ("polarization", "relative_speed", "mmd", "groups", "largest_share", "net_displacement")
 """Those of kinematic herds."""
 
@@ -64,7 +66,7 @@ def cells(run: Run) -> list[Cell]:
         ended = [rows[index] for index in indices if index in rows]
         done = [row for row in ended if row.status == "done"]
         names = [name for name in known if any(name in row.measures for row in done)]
-        names += sorted({name for row in done for name in row.measures} - set(names))
+        names += sorted({name for row in done for name in row.measures if PART not in name} - set(names))
         measures = {name: np.array([row.measures.get(name, np.nan) for row in done]) for name in names}
         found.append(Cell(dict(conditions), len(indices), len(ended) - len(done), measures))
     return found

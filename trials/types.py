@@ -90,6 +90,9 @@ class Trial:
     kinematics: Mapping[str, Value] = field(default_factory=dict)
     """Of a kinematic trial: what differs from the defaults of `trials.kinematic.fields.TrialFields`; its length and
     time step are among them."""
+    links: Mapping[str, Value] = field(default_factory=dict)
+    """Of a kinematic trial: the `trials.kinematic.links.Parameters` with which its links are measured; {} = they are
+    not."""
 
     def as_dict(self) -> dict[str, Any]:
         """As plain dicts and lists, for JSON."""

@@ -13,6 +13,7 @@ from typing import Annotated, Any, NamedTuple
 from flocking import lawentry
 from flocking.parameters import Parameter, filled
 from flocking.taxonomy import Herd
+from trials.kinematic import lattice_starts, links
 from trials.simulations import KINEMATIC
 from trials.types import Group, Trial, Value
 
@@ -24,7 +25,7 @@ DETECTIONS = ("perfect", "member-based", "member-extrapolated", "sensor-based")
 OWN_SPACE = "own"
 """The world that the law's own herd names."""
 SPACES = (OWN_SPACE, "unbounded", "bounded", "periodic", "obstacles")
-FORMATIONS = ("uniform", "single-group", "split-group", "triangular-lattice", "square-lattice")
+FORMATIONS = ("uniform", "single-group", "split-group", "triangular-lattice", "square-lattice", *lattice_starts.NAMES)
 _LAW = "the law's own herd: HERD in its file"
 
 
@@ -35,6 +36,9 @@ class TrialFields(NamedTuple):
     timestep_s: Annotated[float, Parameter("s", _LAW, low=1e-6, high=1e3)] = OPEN
     synchronous: Annotated[
         bool, Parameter("", "false: one after the other within a step, in an order drawn anew (section 9.1.1)")
+    ] = True
+    keeps_way: Annotated[
+        bool, Parameter("", "a choice; false: once all is measured, only the first and the last moment are kept")
     ] = True
     every: Annotated[int, Parameter("steps", "a choice: from one moment that is kept to the next", low=1)] = 1
     cut_m: Annotated[
@@ -169,6 +173,7 @@ FORMATION_PARAMETERS: dict[str, type] = {
     "split-group": SplitParameters,
     "triangular-lattice": LatticeParameters,
     "square-lattice": LatticeParameters,
+    **dict.fromkeys(lattice_starts.NAMES, lattice_starts.Parameters),
 }
 
 
@@ -273,7 +278,16 @@ def world_of(trial: Trial) -> Any:
 def formation_of(trial: Trial) -> Any:
     """The formation's parameters, filled in."""
     fields = filled(FORMATION_PARAMETERS[trial.formation], trial.formation_parameters, prefix="formation.")
-    return fields._replace(spacing_m=_closed(fields.spacing_m, own_herd(trial.groups[0]).spacing_m))
+    own = own_herd(trial.groups[0])
+    if trial.formation in lattice_starts.NAMES:
+        usual = own.spacing_m if trial.formation == lattice_starts.POSITION else own.speed_m_s
+        fields = fields._replace(strength=_closed(fields.strength, usual))
+    return fields._replace(spacing_m=_closed(fields.spacing_m, own.spacing_m))
+
+
+def links_of(trial: Trial) -> links.Parameters | None:
+    """With which a trial's links are measured; None if they are not."""
+    return filled(links.Parameters, trial.links, prefix="links.") if trial.links else None
 
 
 def _closed(value: float, own: float) -> float:

@@ -13,7 +13,7 @@ from flocking.kinematic import Band, Space
 from flocking.lawentry import OF_MEMBERS
 from flocking.parameters import declared, filled
 from flocking.types import Floats, Ints
-from trials.kinematic import fields, formations
+from trials.kinematic import fields, formations, lattice_starts
 from trials.streams import Purpose, stream
 from trials.types import Group, Trial
 
@@ -41,10 +41,9 @@ class Herd:
 def assemble(trial: Trial) -> Herd:
     """Builds the herd of a trial. Raises `InputError` for names and numbers that do not exist or fit."""
     space = _space(trial)
-    poses_w = _start(trial, space)
+    poses_w, speeds = _start(trial, space)
     centre = np.zeros(2) if space.kind == "unbounded" else np.full(2, space.size_m / 2.0)
     bands = [_band(group, centre) for group in trial.groups]
-    speeds = np.repeat([fields.of_group(group).speed_m_s for group in trial.groups], [b.count for b in bands])
     kinds = [2 * g + (np.isfinite(_goals(band)).all(axis=1)) for g, band in enumerate(bands)]
     return Herd(bands, space, poses_w, speeds, fields.of_trial(trial), np.concatenate(kinds))
 
@@ -61,9 +60,10 @@ def check(trial: Trial) -> None:
             raise unknown_name(name, value, valid)
     given = fields.of_trial(trial)
     count = sum(group.count for group in trial.groups)
-    if count * (given.steps // given.every + 1) > MOST_KEPT:
+    every = 1 if trial.links else given.every
+    if count * (given.steps // every + 1) > MOST_KEPT:
         raise InputError(
-            f"{count} members at {given.steps // given.every + 1} moments: expected at most {MOST_KEPT} positions "
+            f"{count} members at {given.steps // every + 1} moments: expected at most {MOST_KEPT} positions "
             f"to keep, as with --set every={math.ceil(count * given.steps / MOST_KEPT)}"
         )
     for group in trial.groups:
@@ -88,11 +88,17 @@ def _check_law(group: Group) -> None:
         )
 
 
-def _start(trial: Trial, space: Space) -> Floats:
+def _start(trial: Trial, space: Space) -> tuple[Floats, Floats]:
+    """Poses (N, 3) and speeds (N,) at the start."""
     count = sum(group.count for group in trial.groups)
     rng = stream(trial.seed, trial.repeat, 0, 0, Purpose.START)
+    given = fields.formation_of(trial)
+    if trial.formation in lattice_starts.NAMES:
+        lattice_starts.check(space.kind)
+        return lattice_starts.start(trial.formation, given, count, rng)
     size = space.size_m if space.kind != "unbounded" else math.inf
-    return formations.poses(trial.formation, fields.formation_of(trial), count, size, rng)
+    speeds = np.repeat([fields.of_group(group).speed_m_s for group in trial.groups], [g.count for g in trial.groups])
+    return formations.poses(trial.formation, given, count, size, rng), speeds
 
 
 def _space(trial: Trial) -> Space:

@@ -9,7 +9,7 @@ from typing import Any
 from flocking import found, lawentry, selection
 from flocking.errors import unknown_name
 from flocking.parameters import Parameter, checked, declared
-from trials.kinematic import fields
+from trials.kinematic import fields, links
 from trials.rows import Row, added, rows_of, told
 from trials.simulations import AVOIDS
 from trials.types import Group, Trial
@@ -30,6 +30,9 @@ def put(trial: Trial, key: str, value: Any) -> Trial:
         known = declared(fields.FORMATION_PARAMETERS[trial.formation])
         given = added(trial.formation_parameters, key, parts[1], value, known, _keys(trial))
         return dataclasses.replace(trial, formation_parameters=given)
+    if parts[0] == "links" and len(parts) == 2:
+        known = declared(links.Parameters)
+        return dataclasses.replace(trial, links=added(trial.links, key, parts[1], value, known, _keys(trial)))
     for number, group in enumerate(trial.groups):
         if parts[0] == group.name and len(parts) > 1:
             changed = _put_group(trial, group, key, parts[1:], value)
@@ -45,6 +48,9 @@ def rows(trial: Trial, sources: Mapping[str, Parameter] | None = None) -> list[R
         *rows_of(fields.WORLD_PARAMETERS[fields.space_of(trial)], "world.", fields.world_of(trial)._asdict()),
         *rows_of(fields.FORMATION_PARAMETERS[trial.formation], "formation.", fields.formation_of(trial)._asdict()),
     ]
+    measured = fields.links_of(trial)
+    if measured is not None:
+        found_rows += rows_of(links.Parameters, "links.", measured._asdict())
     for group in trial.groups:
         name = f"{group.name}."
         found_rows += rows_of(fields.GroupNames, name, vars(group))

@@ -7,8 +7,9 @@ from time import perf_counter
 
 import numpy as np
 
-from flocking.kinematic import LawFailedError, simulate
+from flocking.kinematic import History, LawFailedError, simulate
 from flocking.types import Floats
+from trials.kinematic import fields, links
 from trials.kinematic.herd import Herd, assemble
 from trials.kinematic.measures import measure
 from trials.streams import Purpose, stream
@@ -25,28 +26,41 @@ def run_trial(trial: Trial, reraise: bool = False) -> TrialResult:
     herd = assemble(trial)
     built = perf_counter()
     times, poses_w, outcome, reason = np.zeros(1), herd.poses_w[None], "done", ""
+    counted: dict[str, float] = {}
     try:
-        history = simulate(
-            herd.bands,
-            herd.poses_w,
-            dt_s=herd.fields.timestep_s,
-            steps=herd.fields.steps,
-            rng=stream(trial.seed, trial.repeat, 1, 0, Purpose.LAW),
-            space=herd.space,
-            speeds_m_s=herd.speeds,
-            synchronous=herd.fields.synchronous,
-            every=herd.fields.every,
-        )
+        history = simulated(trial, herd, 1 if trial.links else herd.fields.every)
         times, poses_w = history.times, history.poses_w
     except LawFailedError as error:
         if reraise:
             raise
         outcome, reason = "failed", " ".join(str(error).split())
     finished = perf_counter()
+    given = fields.links_of(trial)
+    if given is not None and outcome == "done":
+        period = herd.space.size_m if herd.space.kind == "periodic" else None
+        counted = links.measure(times, history.positions_w, history.velocities_w, given, period)
+        times, poses_w = times[:: herd.fields.every], poses_w[:: herd.fields.every].copy()
     result = _result(trial, herd, times, poses_w, outcome, reason)
-    measures = measure(result, herd) if outcome == "done" else {}
+    measures = measure(result, herd) | counted if outcome == "done" else {}
+    if not herd.fields.keeps_way and len(times) > 2:
+        result = dataclasses.replace(result, times=times[[0, -1]], poses_w=poses_w[[0, -1]])
     timing = {"build_s": built - started, "loop_s": finished - built}
     return dataclasses.replace(result, measures=measures, timing=timing)
+
+
+def simulated(trial: Trial, herd: Herd, every: int) -> History:
+    """The way of a trial's herd, of which every so many steps are kept. Raises `LawFailedError`."""
+    return simulate(
+        herd.bands,
+        herd.poses_w,
+        dt_s=herd.fields.timestep_s,
+        steps=herd.fields.steps,
+        rng=stream(trial.seed, trial.repeat, 1, 0, Purpose.LAW),
+        space=herd.space,
+        speeds_m_s=herd.speeds,
+        synchronous=herd.fields.synchronous,
+        every=every,
+    )
 
 
 def _result(trial: Trial, herd: Herd, times: Floats, poses_w: Floats, outcome: str, reason: str) -> TrialResult:

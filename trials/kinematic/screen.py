@@ -92,7 +92,7 @@ def about(result: TrialResult) -> str:
     ]
     if result.measures:
         lines += ["", "| measure | value |", "|---|---|"]
-        lines += [f"| {name} | {value:.4g} |" for name, value in result.measures.items()]
+        lines += [f"| {name} | {value:.4g} |" for name, value in result.measures.items() if "/" not in name]
     return "\n".join(lines)
 
 
