@@ -63,7 +63,9 @@ class Place(NamedTuple):
     period: float
     """Side of the periodic square [0, period)²; 0 = not periodic."""
     walls: Floats
-    """(W, 4) segments x0, y0, x1, y1."""
+    """(W, 4) segments x0, y0, x1, y1; in periodic space with their images that anybody within it can reach."""
+    clearance: float
+    """Radius of a point as walls know it."""
     graph: Bools
     """(N, N) or (0, 0): links of `fixed-set` without ids."""
     tessellated: Bools
@@ -125,7 +127,7 @@ def example_minds() -> Minds:
 
 
 def example_place() -> Place:
-    return Place(0.0, np.empty((0, 4)), np.empty((0, 0), np.bool_), np.empty((0, 0), np.bool_))
+    return Place(0.0, np.empty((0, 4)), 0.0, np.empty((0, 0), np.bool_), np.empty((0, 0), np.bool_))
 
 
 def example_stages() -> Stages:

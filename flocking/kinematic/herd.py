@@ -23,6 +23,9 @@ from flocking.types import Bools, Floats
 
 PIECE_S = 0.2
 """Wall time after which a kernel returns to Python, so that Ctrl-C is heard: well below half a second."""
+CLEARANCE = 1e-9
+"""Radius of a point as walls know it, in units of their largest coordinate or 1 m: far above rounding, so that nobody
+gets through, and far below what matters."""
 MOST_DRAWS = 4_000_000
 """Random numbers held at a time."""
 MOST_LINKED = 5000
@@ -59,7 +62,8 @@ class Space:
             walls = np.vstack([[[0, 0, a, 0], [a, 0, a, a], [a, a, 0, a], [0, a, 0, 0]], walls]).astype(np.float64)
         none = np.empty((0, 0), np.bool_)
         period = float(self.size_m) if self.kind == "periodic" else 0.0
-        return Place(period, walls, none if graph is None else np.ascontiguousarray(graph, np.bool_), none)
+        clearance = CLEARANCE * max(1.0, float(np.abs(walls).max(initial=0.0)))
+        return Place(period, walls, clearance, none if graph is None else np.ascontiguousarray(graph, np.bool_), none)
 
 
 @dataclass(frozen=True)

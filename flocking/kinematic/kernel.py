@@ -17,7 +17,8 @@ from flocking.kinematic import arrays, detection
 from flocking.kinematic.arrays import Bodies, Limits, Minds, Place, Stages
 from flocking.kinematic.cells import binned
 from flocking.kinematic.mind import decide, scratch
-from flocking.kinematic.motion import move, shortest
+from flocking.kinematic.motion import move
+from flocking.kinematic.walls import shortest
 from flocking.lawentry import ENTRY_SIGNATURE
 from flocking.types import Floats, Ints
 

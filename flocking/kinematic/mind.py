@@ -17,7 +17,7 @@ from flocking.compilation import borrowing, compiled, inlined
 from flocking.kinematic import detection
 from flocking.kinematic.arrays import BEARINGS, Bodies, Minds, Place, Stages
 from flocking.kinematic.cells import Cells, nearby
-from flocking.kinematic.motion import nearest_point, shortest
+from flocking.kinematic.walls import nearest_point, shortest
 from flocking.lawentry import OWN_SIZE
 from flocking.perception import ARGUMENTS, Step, keep
 from flocking.types import ANONYMOUS, Bools, Floats, Ints, Kind
