@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from flocking.parameters import Parameter
 from trials.couzin_report import COUNT, SHARE, claims, figures
 from trials.kinematic.fields import group, trial
 from trials.types import Trial
@@ -12,6 +13,11 @@ CONDITIONS = {
     COUNT: (10, 30, 50, 100, 200),
     SHARE: (0.02, 0.05, 0.1, 0.2, 0.3, 0.5),
 }
+SOURCES = {
+    "herd.count": Parameter("members", "Couzin et al. 2005, figure 1", published=True),
+    "cut_m": Parameter("m", "the range of interaction: groups farther apart do not know of one another"),
+    "steps": Parameter("", "a choice"),
+}
 KEY_MEASURES = ("goal_alignment", "polarization", "largest_share_end", "groups_end")
 
 
@@ -20,4 +26,4 @@ def base(repeat: int) -> Trial:
     return trial("couzin-leaders", repeat, [group("couzin", 50)], world="unbounded", steps=1000, every=10, cut_m=6.0)
 
 
-__all__ = ["CONDITIONS", "KEY_MEASURES", "RECORD", "REPEATS", "base", "claims", "figures"]
+__all__ = ["CONDITIONS", "KEY_MEASURES", "RECORD", "REPEATS", "SOURCES", "base", "claims", "figures"]

@@ -6,6 +6,7 @@ one formation. The publication gives neither the step d nor where the groups sta
 
 from __future__ import annotations
 
+from flocking.parameters import Parameter
 from trials.kinematic.fields import group, trial
 from trials.lch_claims import FAR, NEAR, claims
 from trials.lch_figures import VARIATIONS, figures
@@ -18,6 +19,12 @@ CONDITIONS = {
     "herd.law": VARIATIONS,
     "herd.selection": (NEAR, FAR),
 }
+SOURCES = {
+    "herd.count": Parameter("members", "Fine 2015, section 4.3", published=True),
+    "steps": Parameter("", "Fine 2015, section 4.3: 75 iterations", published=True),
+    "herd.selection": Parameter("", "Fine 2015, section 4.3: sensing ranges of 3 and 3000 units", published=True),
+    "formation": Parameter("", "Fine 2015, section 4.3, without numbers", published=True),
+}
 KEY_MEASURES = ("mmd_end", "mmd_start", "groups_end", "largest_share_end")
 
 
@@ -26,4 +33,4 @@ def base(repeat: int) -> Trial:
     return trial("lch-table-4-1", repeat, [group("lch-group-pose", 50)], world="unbounded", steps=75)
 
 
-__all__ = ["CONDITIONS", "KEY_MEASURES", "RECORD", "REPEATS", "base", "claims", "figures"]
+__all__ = ["CONDITIONS", "KEY_MEASURES", "RECORD", "REPEATS", "SOURCES", "base", "claims", "figures"]

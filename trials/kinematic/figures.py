@@ -58,7 +58,7 @@ def curves(
     bounds: tuple[float, float] | None = None,
 ) -> Canvas:
     """Means over the repeats with their 95 % intervals over a condition: a panel a measure, a line a curve."""
-    canvas, axes = draw.grid(len(panels), len(panels), width=4.4 * len(panels), height=3.2)
+    canvas, axes = draw.grid(len(panels), len(panels), width=max(6.4, 4.4 * len(panels)), height=3.6)
     for axis, (title, lines) in zip(axes, panels.items(), strict=True):
         axis.set_title(title, loc="left")
         axis.set_xlabel(x_label)
