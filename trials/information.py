@@ -9,10 +9,11 @@ from types import ModuleType
 from typing import Any, NamedTuple
 
 from flocking import found, lawentry, selection
-from flocking.errors import InputError
+from flocking.errors import InputError, unknown_name
 from flocking.parameters import declared, filled
 from flocking.perception import Step
-from trials.obstacle_stage import AS_LAW
+from trials.knowledge import SOURCES
+from trials.obstacle_stage import AS_LAW, CHOICES
 from trials.types import Group
 
 TWO_SCANS, NO_ASSOCIATION = ASSOCIATIONS = ("two-scans", "none")
@@ -83,6 +84,9 @@ def wanted(group: Group) -> Wanted:
 
 def check(group: Group) -> None:
     """Raises `InputError`, in one line that says what is missing and what gives it."""
+    for kind, choices in (("own_motion", SOURCES), ("association", ASSOCIATIONS), ("obstacles", CHOICES)):
+        if getattr(group, kind) not in choices:
+            raise unknown_name(kind, getattr(group, kind), choices)
     sets = lawentry.sets_of(lawentry.module_of(group.law, group.law_source))
     for name, steps in zip(sets, selections(group), strict=True):
         if any(chosen.step is Step.GRAPH for chosen in steps):

@@ -10,7 +10,7 @@ from typing import Any
 from flocking.errors import InputError
 
 _KEY = re.compile(r"[A-Za-z_][\w-]*(\.[A-Za-z_][\w-]*)*")
-_WORD = re.compile(r"[A-Za-z_.~/][\w./~-]*(\([\w., ]*\))?( *& *[A-Za-z_-]+(\([\w., ]*\))?)*")
+_WORD = re.compile(r"[A-Za-z_.~/][\w./~-]*\+?(\([\w., -]*\))?( *& *[A-Za-z_-]+(\([\w., -]*\))?)*")
 _RANGE = re.compile(r"(\d+)(?:-(\d+))?")
 
 

@@ -292,6 +292,7 @@ def test_ranges_is_the_inverse_of_only(text: str) -> None:
 
 def test_values_are_toml_and_bare_words_are_text() -> None:
     given = ["a=1", "b=1.0", "c=true", 'd="x y"', "e=member-based", "f=laws/mine.py", "g=-1e-3", "h = 'q'"]
+    given += ["i=snn+", "j=laws/mine.py+", "k=sector(-90, 90) & nearest"]
     assert options.settings(given) == {
         "a": 1,
         "b": 1.0,
@@ -301,6 +302,9 @@ def test_values_are_toml_and_bare_words_are_text() -> None:
         "f": "laws/mine.py",
         "g": -1e-3,
         "h": "q",
+        "i": "snn+",
+        "j": "laws/mine.py+",
+        "k": "sector(-90, 90) & nearest",
     }
     assert options.sweeps(["a=1,2.5", "b=ideal,harsh", 'c="x,y","z"', "d=true,false"]) == {
         "a": [1, 2.5],
