@@ -116,14 +116,14 @@ def plan(
     total = repeats * sum(len(cells) for _, cells in designs)
     if total > MAX_TRIALS:
         raise InputError(f"{total} trials: expected at most {MAX_TRIALS}")
+    placed = _placed(module, settings, [{**arm, **cell} for arm, cells in designs for cell in cells], notes)
     trials: list[Trial] = []
     for repeat in range(1, repeats + 1):
-        for arm, cells in designs:
-            for cell in cells:
-                trial = dataclasses.replace(module.base(repeat), index=len(trials) + 1, seed=seed, repeat=repeat)
-                trial = _put(trial, {**settings, **arm, **cell})
-                trial = module.finish(trial) if hasattr(module, "finish") else trial
-                trials.append(dataclasses.replace(trial, experiment=name, conditions={**arm, **cell}))
+        for given, cell in placed:
+            trial = dataclasses.replace(module.base(repeat), index=len(trials) + 1, seed=seed, repeat=repeat)
+            trial = _put(trial, {**given, **cell})
+            trial = module.finish(trial) if hasattr(module, "finish") else trial
+            trials.append(dataclasses.replace(trial, experiment=name, conditions=cell))
     trials = [simulations.settled(_spelled(trial)) for trial in trials]
     return Plan(
         experiment=name.replace("_", "-"),
@@ -170,7 +170,7 @@ def _cells(
 ) -> list[dict[str, Any]]:
     """The cells of one arm. Another law may lack a parameter that the experiment varies: it is left out, and noted."""
     chosen = {**settings, **arm}
-    names = {key: value for key, value in chosen.items() if not _names_first(key)[0]}
+    names = {key: value for key, value in chosen.items() if not any(_names_first(key)[:2])}
     changed = any(key.rsplit(".", 1)[-1] == "law" for key in names)
     known = {row.key for row in simulations.rows(_put(module.base(1), names))} if changed else set(conditions)
     for key in conditions:
@@ -181,6 +181,30 @@ def _cells(
         found: list[dict[str, Any]] = module.cells(kept)
         return found
     return [dict(zip(kept, values, strict=True)) for values in itertools.product(*kept.values())]
+
+
+def _placed(
+    module: ModuleType, settings: Mapping[str, Any], cells: Sequence[dict[str, Any]], notes: dict[str, None]
+) -> list[tuple[dict[str, Any], dict[str, Any]]]:
+    """Each cell with the settings that it has a place for: a parameter of one law is not one of another.
+
+    A setting that no cell has a place for stays with all of them, and is refused where it is put.
+    """
+    parameters = {key for key in settings if any(_names_first(key)[:2])}
+    if not parameters:
+        return [(dict(settings), cell) for cell in cells]
+    known = []
+    for cell in cells:
+        given = {**settings, **cell}
+        names = {key: value for key, value in given.items() if not any(_names_first(key)[:2])}
+        known.append({row.key for row in simulations.rows(_put(module.base(1), names))} | names.keys())
+    everywhere, somewhere = set.intersection(*known), set.union(*known)
+    for key in sorted(parameters & somewhere - everywhere):
+        notes[f"{key} is left out where there is no such parameter"] = None
+    return [
+        ({key: value for key, value in settings.items() if key in here or key not in somewhere}, cell)
+        for here, cell in zip(known, cells, strict=True)
+    ]
 
 
 def _put(trial: Trial, values: Mapping[str, Any]) -> Trial:
