@@ -13,6 +13,8 @@ import difflib
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cache
+from types import MappingProxyType
 from typing import Any, NamedTuple, get_type_hints
 
 from flocking.errors import InputError
@@ -40,7 +42,8 @@ class Declared(NamedTuple):
     about: Parameter
 
 
-def declared(parameters: type) -> dict[str, Declared]:
+@cache
+def declared(parameters: type) -> Mapping[str, Declared]:
     """The parameters that a `Parameters` class declares, in order."""
     hints = get_type_hints(parameters, include_extras=True)
     defaults = getattr(parameters, "_field_defaults", {})
@@ -53,7 +56,7 @@ def declared(parameters: type) -> dict[str, Declared]:
                 "its Parameter(unit, source) annotation or its default"
             )
         found[name] = Declared(name, hint.__origin__, defaults[name], about)
-    return found
+    return MappingProxyType(found)
 
 
 def checked(key: str, value: Any, parameter: Declared) -> Any:

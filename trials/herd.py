@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cache
+from typing import NamedTuple
 
 import mujoco
 import numpy as np
@@ -12,10 +13,10 @@ import numpy as np
 from flocking import found, lawentry
 from flocking.errors import InputError
 from flocking.parameters import filled
+from flocking.selection import Chosen
 from flocking.types import Floats
 from robots import create
 from sensing import association, laser
-from sensing.association import Association
 from sensing.types import PipelineState, WorldTruth
 from trials import information
 from trials.knowledge import Knowledge
@@ -88,9 +89,10 @@ def assemble(trial: Trial, record: bool) -> Herd:
         )
         if lasers.needs_history:
             world.observers.append(lasers.remember)
+    minds = [_mind(group) for group in trial.groups]
     robots = [
-        _robot(trial, world, lasers, group, g, k, index, reads[index], poses_w[index])
-        for index, (group, (g, k)) in enumerate(zip(groups, numbers, strict=True))
+        _robot(trial, world, lasers, minds[g], g, k, index, reads[index], poses_w[index])
+        for index, (g, k) in enumerate(numbers)
     ]
     return Herd(
         trial=trial,
@@ -125,11 +127,36 @@ def ticks(seconds: float, timestep: float, what: str, at_least: int) -> int:
     return round(count)
 
 
+class Mind(NamedTuple):
+    """What the robots of a group share."""
+
+    group: Group
+    law: lawentry.Law
+    law_parameters: Floats
+    selections: list[list[Chosen]]
+    wanted: information.Wanted
+    association: association.Parameters
+    obstacle_stage: ObstacleStage
+
+
+def _mind(group: Group) -> Mind:
+    wanted = information.wanted(group)
+    return Mind(
+        group,
+        lawentry.load(group.law, group.law_source),
+        np.array(information.parameters_of(group), dtype=np.float64),
+        information.selections(group),
+        wanted,
+        filled(association.Parameters, group.association_parameters, prefix=f"{group.name}.association."),
+        ObstacleStage(group, wanted.needs),
+    )
+
+
 def _robot(
     trial: Trial,
     world: World,
     lasers: laser.Lasers | None,
-    group: Group,
+    mind: Mind,
     group_number: int,
     member: int,
     index: int,
@@ -139,11 +166,10 @@ def _robot(
     def draw(purpose: Purpose) -> np.random.Generator:
         return stream(trial.seed, trial.repeat, group_number + 1, member, purpose)
 
+    group, law, wanted = mind.group, mind.law, mind.wanted
     period, latency = clock(group, trial.timestep_s)
     phase = int(draw(Purpose.PHASE).random() * period) if group.phase == "random" else 0
     pipeline = found.load(PIPELINE, group.pipeline, "pipeline")
-    law = lawentry.load(group.law, group.law_source)
-    wanted = information.wanted(group)
     informed = member < group.informed
     first = (group.speed_m_s, 0.0) if group.start_moving else (0.0, 0.0)
     world.fleet.command(index, *first)
@@ -156,9 +182,9 @@ def _robot(
         next_tick=phase,
         pipeline=pipeline,
         pipeline_state=_pipeline_state(group),
-        selections=information.selections(group),
+        selections=mind.selections,
         law=law,
-        law_parameters=np.array(information.parameters_of(group), dtype=np.float64),
+        law_parameters=mind.law_parameters,
         law_rng=draw(Purpose.LAW),
         range_rng=draw(Purpose.RANGE_NOISE),
         intensity_rng=draw(Purpose.INTENSITY_NOISE),
@@ -173,8 +199,8 @@ def _robot(
             np.array([group.goal_x_m, group.goal_y_m]) if informed else None,
             wanted.own_pose,
         ),
-        association=_association(group, wanted),
-        obstacle_stage=ObstacleStage(group, wanted.needs),
+        association=association.Association(mind.association, wanted.needs) if wanted.associate else None,
+        obstacle_stage=mind.obstacle_stage,
         role=1 if informed else group.role,
         memory=np.zeros(law.memory),
         dt=1.0 / group.rate_hz,
@@ -192,14 +218,6 @@ def _pipeline_state(group: Group) -> PipelineState:
 def member_model(body: str) -> mujoco.MjModel:
     """One robot alone: what a database of members is made from."""
     return found.load(BODY, body, "body").spec().compile()
-
-
-def _association(group: Group, wanted: information.Wanted) -> Association | None:
-    """Where the law needs what the pipeline does not give: an empty memory."""
-    if not wanted.associate:
-        return None
-    parameters = filled(association.Parameters, group.association_parameters, prefix=f"{group.name}.association.")
-    return Association(parameters, wanted.needs)
 
 
 def check(trial: Trial) -> None:
