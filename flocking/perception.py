@@ -102,8 +102,13 @@ def keep_view(bearings: Floats, width_rad: float, mask: Bools) -> None:
 
 @compiled
 def keep_sector(bearings: Floats, from_rad: float, to_rad: float, mask: Bools) -> None:
-    """Members with a bearing from `from_rad` counter-clockwise to `to_rad`, the first border included."""
-    width = (to_rad - from_rad) % (2.0 * math.pi)
+    """Members with a bearing from `from_rad` counter-clockwise to `to_rad`, the first border included.
+
+    A whole turn or more counter-clockwise holds everybody whose bearing is known.
+    """
+    if to_rad - from_rad >= 2.0 * math.pi:
+        from_rad, to_rad = 0.0, math.inf
+    width = (to_rad - from_rad) % (2.0 * math.pi) if to_rad < math.inf else to_rad
     for j in range(len(mask)):
         if mask[j]:
             mask[j] = (bearings[j] - from_rad) % (2.0 * math.pi) < width
@@ -123,9 +128,9 @@ def keep_unoccluded(positions: Floats, radius_m: float, mask: Bools) -> None:
         for k in range(len(mask)):
             if k == j or not chosen[k]:
                 continue
-            along = (positions[k, 0] * x + positions[k, 1] * y) / d
-            across = (positions[k, 0] * y - positions[k, 1] * x) / d
-            if 0.0 < along < d and abs(across) < radius_m:
+            xk, yk = positions[k, 0], positions[k, 1]
+            across = (xk * y - yk * x) / d
+            if xk * xk + yk * yk < x * x + y * y and xk * x + yk * y > 0.0 and abs(across) < radius_m:
                 mask[j] = False
 
 
@@ -140,14 +145,21 @@ def keep_densest(positions: Floats, bearings: Floats, threshold: float, by_angle
     count = len(mask)
     labels = [-1] * count
     stack = [0] * count
+    left = [0] * count
+    remaining = 0
+    for k in range(count):
+        if mask[k]:
+            left[remaining] = k
+            remaining += 1
     groups = 0
     best, best_size = -1, 0
     best_spread, best_d, best_x, best_y = 0.0, 0.0, 0.0, 0.0
-    for first in range(count):
-        if not mask[first] or labels[first] != -1:
-            continue
-        labels[first] = groups
-        stack[0] = first
+    while remaining > 0:
+        labels[left[0]] = groups
+        stack[0] = left[0]
+        remaining -= 1
+        for place in range(remaining):
+            left[place] = left[place + 1]
         height, size, x, y = 1, 0, 0.0, 0.0
         while height > 0:
             height -= 1
@@ -159,9 +171,10 @@ def keep_densest(positions: Floats, bearings: Floats, threshold: float, by_angle
             else:
                 x += positions[j, 0]
                 y += positions[j, 1]
-            for k in range(count):
-                if not mask[k] or labels[k] != -1:
-                    continue
+            others = remaining
+            remaining = 0
+            for place in range(others):
+                k = left[place]
                 if by_angle:
                     gap = abs((bearings[k] - bearings[j] + math.pi) % (2.0 * math.pi) - math.pi)
                 else:
@@ -170,6 +183,9 @@ def keep_densest(positions: Floats, bearings: Floats, threshold: float, by_angle
                     labels[k] = groups
                     stack[height] = k
                     height += 1
+                else:
+                    left[remaining] = k
+                    remaining += 1
         x /= size
         y /= size
         spread = 0.0
@@ -229,7 +245,7 @@ def keep(
     elif step == Step.NEAREST:
         keep_nearest(positions, 1, mask)
     elif step == Step.K_NEAREST:
-        keep_nearest(positions, int(given[0]), mask)
+        keep_nearest(positions, int(min(given[0], len(mask))), mask)
     elif step == Step.BOUNDING_BOX:
         keep_in_box(positions, given[0], given[1], given[2], given[3], mask)
     elif step == Step.ANGLE:

@@ -58,7 +58,7 @@ def nearest(members: Members) -> Bools:
 def k_nearest(members: Members, k: float) -> Bools:
     """k-Nearest(): the k nearest members; of equally near ones the one with the smaller position first."""
     mask = everyone(members)
-    perception.keep_nearest(members.positions, int(k), mask)
+    perception.keep_nearest(members.positions, int(min(k, len(mask))), mask)
     return mask
 
 
@@ -82,7 +82,7 @@ def angle(members: Members, angle_deg: float) -> Bools:
 
 
 def sector(members: Members, from_deg: float, to_deg: float) -> Bools:
-    """Members with a bearing from the first angle counter-clockwise to the second."""
+    """Members with a bearing from the first angle counter-clockwise to the second; (-180, 180) is everybody."""
     mask = everyone(members)
     perception.keep_sector(members.bearings, math.radians(from_deg), math.radians(to_deg), mask)
     return mask

@@ -50,7 +50,7 @@ class Minds(NamedTuple):
     """What each member is given."""
 
     parameters: Floats
-    """(N, P) of its law; as wide as the widest."""
+    """(N, P) of its law, as wide as the widest; (1, P) if all members have the same."""
     goals: Floats
     """(N, 2) nan = none."""
     roles: Ints

@@ -78,6 +78,12 @@ def binned(positions: Floats, edge: float, period: float) -> Cells:
 
 
 @compiled
+def cells_of(cells: Cells, members: Ints) -> Cells:
+    """The same cells with other names for their members, in the same order."""
+    return Cells(cells.columns, cells.rows, cells.x0, cells.y0, cells.edge_x, cells.edge_y, cells.starts, members)
+
+
+@compiled
 def _cell(x: float, y: float, x0: float, y0: float, edge_x: float, edge_y: float, columns: int, rows: int) -> int:
     column = min(max(int((x - x0) / edge_x), 0), columns - 1)
     row = min(max(int((y - y0) / edge_y), 0), rows - 1)

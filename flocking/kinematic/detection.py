@@ -40,6 +40,14 @@ class Detection(IntEnum):
 
 
 @compiled
+def beams_of(x: float, y: float, radius: float) -> tuple[int, int]:
+    """First and last of the beams that an unhidden disc at (x, y) takes, counted on below 0 and beyond BEAMS."""
+    bearing = math.atan2(y, x)
+    half = math.asin(radius / math.hypot(x, y))
+    return math.ceil((bearing - half) / BEAM_RAD), math.floor((bearing + half) / BEAM_RAD)
+
+
+@compiled
 def readings(positions: Floats, count: int, radius: float, sight: float, ranges: Floats, owners: Ints) -> None:
     """Fills `ranges` and `owners` (BEAMS,) with what beam k at bearing k·BEAM_RAD hits; owner −1 = nothing.
 
@@ -54,9 +62,7 @@ def readings(positions: Floats, count: int, radius: float, sight: float, ranges:
         if d <= radius or d - radius > sight:
             continue
         bearing = math.atan2(y, x)
-        half = math.asin(radius / d)
-        first = math.ceil((bearing - half) / BEAM_RAD)
-        last = math.floor((bearing + half) / BEAM_RAD)
+        first, last = beams_of(x, y, radius)
         for k in range(first, last + 1):
             turn = k * BEAM_RAD - bearing
             along = d * math.cos(turn)
@@ -66,14 +72,6 @@ def readings(positions: Floats, count: int, radius: float, sight: float, ranges:
             if reading < ranges[b] and reading <= sight:
                 ranges[b] = reading
                 owners[b] = j
-
-
-@compiled
-def beams_of(x: float, y: float, radius: float) -> int:
-    """How many beams an unhidden disc at (x, y) takes."""
-    bearing = math.atan2(y, x)
-    half = math.asin(radius / math.hypot(x, y))
-    return int(math.floor((bearing + half) / BEAM_RAD) - math.ceil((bearing - half) / BEAM_RAD)) + 1
 
 
 @compiled
@@ -104,9 +102,13 @@ def inputs(
         return found
     found = 0
     for j in range(count):
+        if math.hypot(positions[j, 0], positions[j, 1]) <= radius:
+            continue
         first = found
         lit, x, y = 0, 0.0, 0.0
-        for b in range(BEAMS):
+        from_, to = beams_of(positions[j, 0], positions[j, 1], radius)
+        for k in range(from_, to + 1):
+            b = k % BEAMS
             if owners[b] == j:
                 px, py = ranges[b] * math.cos(b * BEAM_RAD), ranges[b] * math.sin(b * BEAM_RAD)
                 points[found, 0], points[found, 1] = px, py
@@ -115,8 +117,7 @@ def inputs(
                 lit += 1
                 x += px
                 y += py
-        whole = beams_of(positions[j, 0], positions[j, 1], radius) if lit > 0 else 0
-        if lit < FEWEST_BEAMS or lit < LEAST_SHOWN * whole:
+        if lit < FEWEST_BEAMS or lit < LEAST_SHOWN * (to - from_ + 1):
             found = first
         elif detection == Detection.MEMBER_BASED:
             points[first, 0], points[first, 1] = x / lit, y / lit

@@ -7,155 +7,35 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from time import perf_counter
-from typing import Any
 
 import numpy as np
 
-from flocking import avoidance, selection
+from flocking import selection
 from flocking.errors import InputError
-from flocking.kinematic import detection, kernel
-from flocking.kinematic.arrays import BEARINGS, POSES, Bodies, Limits, Minds, Place, Stages
-from flocking.lawentry import Law
+from flocking.kinematic import kernel
+from flocking.kinematic.arrays import Bodies, Limits, Minds
+from flocking.kinematic.bands import Band, Space
 from flocking.perception import Step
-from flocking.types import Bools, Floats
+from flocking.types import Bools, Floats, Ints
+
+__all__ = ["Band", "History", "KinematicHerd", "LawFailedError", "Space", "simulate", "start_uniform"]
 
 PIECE_S = 0.2
 """Wall time after which a kernel returns to Python, so that Ctrl-C is heard: well below half a second."""
-CLEARANCE = 1e-9
-"""Radius of a point as walls know it, in units of their largest coordinate or 1 m: far above rounding, so that nobody
-gets through, and far below what matters."""
 MOST_DRAWS = 4_000_000
 """Random numbers held at a time."""
 MOST_LINKED = 5000
 """Members for which links are kept as a square array."""
-DETECTIONS = {member.name.lower().replace("_", "-"): int(member) for member in detection.Detection}
-OBSTACLES = ("as-law", "avoid", "virtual-members")
-INFORMATION = {"poses": POSES, "bearings": BEARINGS}
+FIRST_LOOKS = 4_000_000
+"""Looks of one member at another in the first piece, when nobody knows yet how long they take: some 0.02 s."""
+FASTER = 4
+"""By which a piece may be longer than the last one."""
 
 
 class LawFailedError(ValueError):
     """A law gave what it must not; the message names the law, the member and the step in one line."""
-
-
-@dataclass(frozen=True)
-class Space:
-    """Where a herd lives. A bounded space is a square of walls, a periodic one has none at its border."""
-
-    kind: str = "unbounded"
-    """`unbounded`, `bounded` or `periodic`."""
-    size_m: float = math.inf
-    """Side of the square [0, size]² of a bounded or periodic space."""
-    walls: Floats = field(default_factory=lambda: np.empty((0, 4)))
-    """(W, 4) segments x0, y0, x1, y1 in it."""
-
-    def place(self, graph: Bools | None = None) -> Place:
-        """As the compiled code takes it. Raises `InputError` for a kind or a size that there is not."""
-        if self.kind not in ("unbounded", "bounded", "periodic"):
-            raise InputError(f"space {self.kind!r}: expected unbounded, bounded or periodic")
-        if self.kind != "unbounded" and not 0.0 < self.size_m < math.inf:
-            raise InputError(f"{self.kind} space of side {self.size_m:g} m: expected a finite positive side")
-        walls = np.ascontiguousarray(self.walls, dtype=np.float64).reshape(-1, 4)
-        if self.kind == "bounded":
-            a = self.size_m
-            walls = np.vstack([[[0, 0, a, 0], [a, 0, a, a], [a, a, 0, a], [0, a, 0, 0]], walls]).astype(np.float64)
-        none = np.empty((0, 0), np.bool_)
-        period = float(self.size_m) if self.kind == "periodic" else 0.0
-        clearance = CLEARANCE * max(1.0, float(np.abs(walls).max(initial=0.0)))
-        return Place(period, walls, clearance, none if graph is None else np.ascontiguousarray(graph, np.bool_), none)
-
-
-@dataclass(frozen=True)
-class Band:
-    """Members that run one law."""
-
-    law: Law
-    count: int
-    parameters: Mapping[str, Any] | Sequence[Mapping[str, Any]] = field(default_factory=dict)
-    """The law's, by name: for all members, or one mapping a member (heterogeneous groups)."""
-    selection: str = "all"
-    """What all of the law's sets select from, or other selections for its sets (`flocking.selection.parse_sets`)."""
-    cruise_m_s: float = math.inf
-    """Speed towards a way-point; inf = it is reached within the step."""
-    max_speed_m_s: float = math.inf
-    max_turn_rate_rad_s: float = math.inf
-    radius_m: float = 0.0
-    """0 = points that nothing touches; else discs that cannot enter one another or a wall."""
-    goals_w: Floats | None = None
-    """(count, 2); nan = none."""
-    role: int = 0
-    detection: str = "perfect"
-    """`perfect`, `member-based`, `member-extrapolated` or `sensor-based`."""
-    information: str = "poses"
-    """`poses`, or `bearings`: every input then stands at `assumed_distance_m`."""
-    assumed_distance_m: float = 1.0
-    silhouette_m: float = 0.165
-    """Radius of the members as the detections other than perfect see them."""
-    sight_m: float = math.inf
-    """Range of those detections, of obstacles and of virtual members."""
-    obstacles: str = "as-law"
-    """`as-law`; `avoid`: the shared avoidance is added; `virtual-members`: obstacles become members."""
-    avoidance: avoidance.Parameters = field(default_factory=avoidance.Parameters)
-
-    def rows(self) -> Floats:
-        """(count, P) parameters, checked."""
-        given = self.parameters
-        if isinstance(given, Mapping):
-            row = np.array(self.law.parameters(given), dtype=np.float64)
-            return np.tile(row, (self.count, 1))
-        if len(given) != self.count:
-            raise InputError(f"{len(given)} sets of parameters for {self.count} members of law {self.law.name!r}")
-        return np.array([self.law.parameters(one) for one in given], dtype=np.float64).reshape(self.count, -1)
-
-    def stages(self) -> Stages:
-        """As the compiled code takes them. Raises `InputError` for what does not fit."""
-        names, law = self.law.parameter_names, self.law
-        sets = selection.parse_sets(self.selection, law.sets, names)
-        for steps in sets:
-            if any(chosen.step is Step.VORONOI for chosen in steps[1:]):
-                raise InputError(f"law {law.name!r}: in a kinematic herd voronoi must come first in a selection")
-        program = selection.program(sets, names)
-        for name, value, valid in (
-            ("detection", self.detection, DETECTIONS),
-            ("information", self.information, INFORMATION),
-            ("obstacles", self.obstacles, OBSTACLES),
-        ):
-            if value not in valid:
-                raise InputError(f"{name} = {value!r}: expected {' or '.join(valid)}")
-        rows = self.rows()
-        reach = max(
-            (
-                selection.reach(steps, dict(zip(names, row, strict=True)))
-                for steps in sets
-                for row in np.unique(rows, axis=0)
-            ),
-            default=math.inf,
-        )
-        perfect = self.detection == "perfect"
-        if self.information == "bearings" or any(s.step is Step.UNOCCLUDED for steps in sets for s in steps[:1]):
-            reach = math.inf
-        if not perfect:
-            reach = min(reach, self.sight_m) + self.silhouette_m
-        read = law.needs | selection.needs(chosen for steps in sets for chosen in steps)
-        return Stages(
-            *program,
-            parameters=len(names),
-            memory=law.memory,
-            reach=float(reach),
-            bearings="bearings" in read,
-            headings="headings" in read,
-            detection=DETECTIONS[self.detection],
-            information=INFORMATION[self.information],
-            assumed_distance=float(self.assumed_distance_m),
-            silhouette=float(self.silhouette_m),
-            sight=float(self.sight_m),
-            obstacles="obstacles" in law.needs,
-            avoids=self.obstacles == "avoid",
-            virtual=self.obstacles == "virtual-members",
-            look_ahead=float(self.avoidance.look_ahead_m),
-            margin=float(self.avoidance.margin_m),
-        )
 
 
 @dataclass(frozen=True)
@@ -205,30 +85,45 @@ def simulate(
     Raises `InputError` for what does not fit and `LawFailedError` if a law fails.
     """
     bands = [bands] if isinstance(bands, Band) else list(bands)
-    poses_w = np.asarray(poses_w, dtype=np.float64).reshape(-1, 3)
-    count = len(poses_w)
-    if count == 0 or sum(band.count for band in bands) != count:
-        raise InputError(f"{count} starting poses for {sum(band.count for band in bands)} members")
-    if not np.isfinite(poses_w).all() or not 0.0 < dt_s < math.inf or steps < 0 or every < 1:
-        raise InputError(f"start, dt_s = {dt_s:g}, steps = {steps}, every = {every}: expected finite and positive")
+    if not 0.0 < dt_s < math.inf or steps < 0 or every < 1:
+        raise InputError(f"dt_s = {dt_s:g}, steps = {steps}, every = {every}: expected finite and positive")
     run = KinematicHerd(bands, poses_w, space or Space(), graph, dt_s, rng)
     run.start(velocities_w, speeds_m_s)
-    frames = steps // every
-    tracks = np.empty((frames + 1, count, 5))
+    tracks = np.empty((steps // every + 1, len(run.positions), 5))
     kernel.record(run.bodies, tracks[0])
-    done, piece = 0, 1
-    while done < steps:
-        chunk = min(piece * every, steps - done)
-        first = done // every + 1
-        started = perf_counter()
-        run.advance(chunk, tracks[first : first + chunk // every], every, done, synchronous)
-        took = perf_counter() - started
-        done += chunk
-        if said is not None:
-            said(done)
-        piece = max(1, min(int(PIECE_S / max(took / chunk, 1e-9)) // every, 4 * piece, run.most_steps // every))
-    times = np.arange(frames + 1, dtype=np.float64) * (every * dt_s)
+    run.advance(steps, tracks[1:], every, 0, synchronous, said)
+    times = np.arange(len(tracks), dtype=np.float64) * (every * dt_s)
     return History(times, tracks[..., :2].copy(), tracks[..., 2].copy(), tracks[..., 3:].copy())
+
+
+def _starting(poses_w: Floats, count: int, space: Space) -> Floats:
+    """The poses of `count` members at the start, checked, their headings wrapped, inside of the space's walls."""
+    poses_w = np.array(poses_w, dtype=np.float64)
+    if poses_w.shape != (count, 3) or count == 0:
+        raise InputError(f"starting poses of shape {poses_w.shape} for {count} members; expected ({count}, 3)")
+    if not np.isfinite(poses_w).all():
+        raise InputError(f"starting pose {_first_not_finite(poses_w)} is not finite; expected x, y, heading")
+    turned = np.abs(poses_w[:, 2]) >= math.pi
+    poses_w[turned, 2] = (poses_w[turned, 2] + math.pi) % (2.0 * math.pi) - math.pi
+    places = poses_w[:, :2]
+    if space.kind == "periodic":
+        places %= space.size_m
+        places[places >= space.size_m] = 0.0  # what the remainder makes of the smallest negative numbers
+    if space.kind == "bounded":
+        outside = np.flatnonzero(((places < 0.0) | (places > space.size_m)).any(axis=1))
+        if len(outside):
+            x, y = places[outside[0]]
+            raise InputError(
+                f"member {outside[0] + 1} starts at {x:g}, {y:g}, outside of the bounded space; "
+                f"expected 0 to {space.size_m:g} m"
+            )
+        clearance = space.clearance_m
+        np.clip(places, clearance, space.size_m - clearance, out=places)
+    return poses_w
+
+
+def _first_not_finite(rows: Floats) -> int:
+    return int(np.flatnonzero(~np.isfinite(rows).all(axis=1))[0]) + 1
 
 
 class KinematicHerd:
@@ -243,18 +138,17 @@ class KinematicHerd:
         dt: float,
         rng: np.random.Generator,
     ) -> None:
-        count = len(poses_w)
+        count = sum(band.checked().count for band in bands)
         self.bands, self.dt = bands, float(dt)
+        self.place = space.place(graph, count)
+        poses_w = _starting(poses_w, count, space)
         # one stream each, so that the number of steps done at a time does not change what is drawn
         self.law_rng, self.order_rng = rng.spawn(2)
         self.stages = [band.stages() for band in bands]
         ends = np.cumsum([band.count for band in bands])
         self.members = [np.arange(end - band.count, end) for band, end in zip(bands, ends, strict=True)]
         self.band_of = np.repeat(np.arange(len(bands)), [band.count for band in bands])
-        self.place = space.place(graph)
         self.positions = poses_w[:, :2].copy()
-        if self.place.period:
-            self.positions %= self.place.period
         steps = [int(step) for stages in self.stages for step in stages.steps.ravel()]
         self.voronoi = Step.VORONOI in steps
         if Step.GRAPH in steps and graph is None:
@@ -267,6 +161,8 @@ class KinematicHerd:
             parameters[who, : len(band.law.parameter_names)] = band.rows()
             if band.goals_w is not None:
                 goals[who] = band.goals_w
+        if len(bands) == 1 and isinstance(bands[0].parameters, Mapping):
+            parameters = parameters[:1].copy()
         roles = np.repeat(np.array([band.role for band in bands], dtype=np.int64), [band.count for band in bands])
         self.minds = Minds(parameters, goals, roles)
         self.limits = Limits(
@@ -286,77 +182,119 @@ class KinematicHerd:
         self.motions = np.zeros((count, 4))
         self.draws = [band.law.draws for band in bands]
         self.most_steps = max(1, MOST_DRAWS // (count * (1 + max(self.draws))))
+        self.pace = max(1, FIRST_LOOKS // count)
+        self.turn = np.zeros(2, np.int64)
 
     def start(self, velocities_w: Floats | None, speeds: float | Floats) -> None:
         """Gives the members their first velocities."""
-        if velocities_w is not None:
-            self.bodies.velocities[:] = velocities_w
-            return
-        headings = self.bodies.headings
-        self.bodies.velocities[:] = (np.stack([np.cos(headings), np.sin(headings)]) * speeds).T
+        headings, count = self.bodies.headings, len(self.positions)
+        if velocities_w is None:
+            speeds = np.asarray(speeds, dtype=np.float64)
+            if speeds.shape not in ((), (count,)):
+                raise InputError(f"speeds of shape {speeds.shape} for {count} members; expected one, or one each")
+            velocities_w = (np.stack([np.cos(headings), np.sin(headings)]) * speeds).T
+        given = np.asarray(velocities_w, dtype=np.float64)
+        if given.shape != (count, 2):
+            raise InputError(f"velocities of shape {given.shape} for {count} members; expected ({count}, 2)")
+        if not np.isfinite(given).all():
+            raise InputError(f"the starting velocity of member {_first_not_finite(given)} is not finite")
+        self.bodies.velocities[:] = given
 
-    def advance(self, steps: int, tracks: Floats, every: int, done: int, synchronous: bool) -> None:
-        """So many steps more, after `done`; every `every`-th of them is written to `tracks` (T, N, 5)."""
-        if self.voronoi or len(self.bands) > 1:
-            for step in range(steps):
-                self._tessellate()
+    def advance(
+        self,
+        steps: int,
+        tracks: Floats,
+        every: int,
+        done: int,
+        synchronous: bool,
+        said: Callable[[int], None] | None = None,
+    ) -> None:
+        """So many steps more, after `done`; every `every`-th of them is written to `tracks` (T, N, 5).
+
+        Python is returned to after `PIECE_S`, be it within a step, and `said` is told the steps done after each piece.
+        """
+        kept, end, count = done - done % every, done + steps, len(self.positions)
+        while done < end:
+            self._tessellate()
+            if len(self.bands) > 1 or self.voronoi or self.pace < count:
                 if synchronous:
-                    self._together(done + step)
+                    self._together(done)
                 else:
-                    self._in_turn(self.order_rng.random((1, len(self.positions))), self._nothing, 2, done + step)
-                if (step + 1) % every == 0:
-                    kernel.record(self.bodies, tracks[(step + 1) // every - 1])
-        elif synchronous:
-            draws = self.law_rng.random((steps, len(self.positions), self.draws[0]))
-            code = kernel.synchronous(*self._shared(0), self.members[0], draws, self.dt, self.motions, tracks, every, 0)
-            self._check(code, done)
-        else:
-            self._in_turn(self.order_rng.random((steps, len(self.positions))), tracks, every, done)
+                    self._in_turn(done)
+                done += 1
+                if done % every == 0:
+                    kernel.record(self.bodies, tracks[(done - kept) // every - 1])
+            else:
+                piece = min(end - done, self.pace // count, self.most_steps)
+                if synchronous:
+                    draws = self.law_rng.random((piece, count, self.draws[0]))
+                    self._run(kernel.synchronous, 0, self.members[0], draws, tracks, every, done - kept, done, (0,))
+                else:
+                    order = np.argsort(self.order_rng.random((piece, count)), axis=1)
+                    draws = self.law_rng.random((piece, count, self.draws[0]))
+                    self._run(kernel.asynchronous, 0, order, draws, tracks, every, done - kept, done)
+                done += piece
+            if said is not None:
+                said(done)
+
+    def _together(self, step: int) -> None:
+        """One synchronous step, of several bands or in parts."""
+        for band, who in enumerate(self.members):
+            first = 0
+            while first < len(who):
+                part = who[first : first + self.pace]
+                draws = self.law_rng.random((1, len(part), self.draws[band]))
+                self._run(kernel.synchronous, band, part, draws, self._nothing, 2, 0, step, (1,))
+                first += len(part)
+        kernel.move_all(self.bodies, self.limits, self.place, self.dt, self.motions)
+
+    def _in_turn(self, step: int) -> None:
+        """One asynchronous step in an order drawn anew, by runs of one band each or in parts."""
+        turns = np.argsort(self.order_rng.random(len(self.positions)))
+        for run in np.split(turns, np.flatnonzero(np.diff(self.band_of[turns])) + 1):
+            band, first, block = int(self.band_of[run[0]]), 0, kernel.part_of(len(turns))
+            while first < len(run):
+                part = np.ascontiguousarray(run[None, first : first + max(1, self.pace // block) * block])
+                draws = self.law_rng.random((1, part.shape[1], self.draws[band]))
+                self._run(kernel.asynchronous, band, part, draws, self._nothing, 2, 0, step)
+                first += part.shape[1]
 
     @property
     def _nothing(self) -> Floats:
         """Room for no record."""
         return np.empty((0, len(self.positions), 5))
 
-    def _shared(self, band: int) -> tuple[Any, ...]:
-        return (self.bands[band].law.entry, self.stages[band], self.bodies, self.limits, self.minds, self.place)
-
     def _tessellate(self) -> None:
         if self.voronoi:
             touching = selection.tessellated(self.positions, self.place.period)
             self.place = self.place._replace(tessellated=touching)
 
-    def _together(self, step: int) -> None:
-        """One synchronous step of several bands."""
-        for band, who in enumerate(self.members):
-            draws = self.law_rng.random((1, len(who), self.draws[band]))
-            code = kernel.synchronous(*self._shared(band), who, draws, self.dt, self.motions, self._nothing, 2, 1)
-            self._check(code, step)
-        kernel.move_all(self.bodies, self.limits, self.place, self.dt, self.motions)
-
-    def _in_turn(self, lots: Floats, tracks: Floats, every: int, done: int) -> None:
-        """Asynchronous steps in the order of the `lots` (steps, N); of several bands by runs of one band each."""
-        order = np.argsort(lots, axis=1)
-        if len(self.bands) == 1:
-            draws = self.law_rng.random((*order.shape, self.draws[0]))
-            code = kernel.asynchronous(*self._shared(0), order, draws, self.dt, self.motions, tracks, every)
-            self._check(code, done)
-            return
-        (turns,) = order
-        for run in np.split(turns, np.flatnonzero(np.diff(self.band_of[turns])) + 1):
-            band = int(self.band_of[run[0]])
-            draws = self.law_rng.random((1, len(run), self.draws[band]))
-            turn = np.ascontiguousarray(run[None])
-            code = kernel.asynchronous(*self._shared(band), turn, draws, self.dt, self.motions, self._nothing, 2)
-            self._check(code, done)
-
-    def _check(self, code: int, done: int) -> None:
-        if code < 0:
-            return
-        step, member = divmod(code, len(self.positions))
-        kind, x, y, _ = self.motions[member]
-        law = self.bands[int(self.band_of[member])].law
-        raise LawFailedError(
-            f"law {law.name!r} returned kind {kind:g}, x {x:g}, y {y:g} for member {member + 1} at step "
-            f"{done + step + 1}; expected a kind of 0 to 5 and finite numbers"
-        )
+    def _run(
+        self,
+        work: Callable[..., int],
+        band: int,
+        who: Ints,
+        draws: Floats,
+        tracks: Floats,
+        every: int,
+        before: int,
+        done: int,
+        more: tuple[int, ...] = (),
+    ) -> None:
+        """One piece of work of the kernel. Raises `LawFailedError` if the law fails in it."""
+        law, started = self.bands[band].law, perf_counter()
+        shared = (law.entry, self.stages[band], self.bodies, self.limits, self.minds, self.place)
+        raised = ""
+        try:
+            failed = work(*shared, who, draws, self.dt, self.motions, tracks, every, before, self.turn, *more)
+        except Exception as error:  # whatever a law of the user's may raise
+            failed, raised = 1, " ".join(f"{type(error).__name__}: {error}".split())
+        if failed:
+            step, member = (int(number) for number in self.turn)
+            kind, x, y, _ = self.motions[member]
+            what = f"raised {raised}" if raised else f"returned kind {kind:g}, x {x:g}, y {y:g}"
+            expected = "" if raised else "; expected a kind of 0 to 5 and finite numbers"
+            raise LawFailedError(f"law {law.name!r} {what} for member {member + 1} at step {done + step + 1}{expected}")
+        decided = draws.shape[0] * draws.shape[1]
+        pace = PIECE_S * decided / max(perf_counter() - started, 1e-9)
+        self.pace = max(1, min(int(pace), FASTER * max(decided, self.pace)))

@@ -15,8 +15,8 @@ from numba.core import sigutils, types
 from flocking.compilation import borrowing
 from flocking.kinematic import arrays, detection
 from flocking.kinematic.arrays import Bodies, Limits, Minds, Place, Stages
-from flocking.kinematic.cells import binned
-from flocking.kinematic.mind import decide, scratch
+from flocking.kinematic.cells import binned, cells_of
+from flocking.kinematic.mind import Crowd, assemble, decide, scratch
 from flocking.kinematic.motion import move
 from flocking.kinematic.walls import shortest
 from flocking.lawentry import ENTRY_SIGNATURE
@@ -24,6 +24,10 @@ from flocking.types import Floats, Ints
 
 PAD = 0.25
 """Of the reach: how far a member may move before asynchronous members are binned anew."""
+
+PARTS = 4
+"""In which a step of asynchronous members may be done; neighbours come in the order of their cells, and the order of a
+sum is its rounding: the same parts, the same numbers."""
 
 
 @borrowing
@@ -50,7 +54,7 @@ _F, _I = types.float64, types.int64
 
 
 @numba.njit(
-    _I(_LAW, *_SHARED, _I[::1], _F[:, :, ::1], _F, _F[:, ::1], _F[:, :, ::1], _I, _I),
+    _I(_LAW, *_SHARED, _I[::1], _F[:, :, ::1], _F, _F[:, ::1], _F[:, :, ::1], _I, _I, _I[::1], _I),
     cache=True,
     error_model="numpy",
 )
@@ -67,39 +71,57 @@ def synchronous(
     motions: Floats,
     tracks: Floats,
     every: int,
+    before: int,
+    turn: Ints,
     decides_only: int,
 ) -> int:
     """Steps in which all members decide on the same state and then move; returns −1, or who failed.
 
     `who` (n,) are the members that run the law; `draws` (steps, n, DRAWS); `motions` (N, 4) is written to. With
-    `decides_only` nobody moves (groups with several laws). Every `every`-th step is recorded in `tracks` (T, N, 5).
-    A failure is returned as step · N + member.
+    `decides_only` nobody moves (groups with several laws, or a step in parts). Every `every`-th step is recorded in
+    `tracks` (T, N, 5), `before` steps having been done since the last record before it. `turn` (2,) is kept at the step
+    and the member at work, so that one knows whose law failed, or raised an error.
     """
     count = len(bodies.positions)
     beams = 0 if stages.detection == detection.Detection.PERFECT else detection.BEAMS
     room = scratch(count, stages.steps.shape[0], len(place.walls), beams)
     others = np.empty((count, 2))
+    everybody = np.arange(count)
+    unsorted = Crowd(bodies.positions, bodies.headings, bodies.velocities, everybody)
+    sorted_ = Crowd(np.empty((count, 2)), np.empty(count), np.empty((count, 2)), everybody.copy())
     for step in range(len(draws)):
         cells = binned(bodies.positions, stages.reach, place.period)
+        order = cells.members
+        crowd = unsorted
+        if cells.columns > 0:
+            assemble(bodies, cells, sorted_)
+            crowd = sorted_
+            cells = cells_of(cells, everybody)
         for k in range(len(who)):
-            # cell by cell, so that what is near in space is near in memory
-            at = cells.members[k] if cells.columns > 0 and len(who) == count else k
+            at = order[k] if cells.columns > 0 and len(who) == count else k
             i = who[at]
-            if not decide(law, i, stages, bodies, minds, cells, place, draws[step, at], dt, room):
+            turn[0], turn[1] = step, i
+            if not decide(law, i, stages, bodies, minds, crowd, cells, place, draws[step, at], dt, room):
                 motions[i] = room.motion
-                return step * count + i
+                return 1
             motions[i] = room.motion
         if decides_only == 0:
             others[:] = bodies.positions
             for i in range(count):
                 move(i, int(motions[i, 0]), motions[i, 1], motions[i, 2], bodies, others, limits, place, dt)
-            if (step + 1) % every == 0:
-                record(bodies, tracks[(step + 1) // every - 1])
-    return -1
+            if (before + step + 1) % every == 0:
+                record(bodies, tracks[(before + step + 1) // every - 1])
+    return 0
+
+
+@borrowing
+def part_of(count: int) -> int:
+    """Members after which asynchronous ones are binned anew in any case: a step may be done in such parts."""
+    return (count + PARTS - 1) // PARTS
 
 
 @numba.njit(
-    _I(_LAW, *_SHARED, _I[:, ::1], _F[:, :, ::1], _F, _F[:, ::1], _F[:, :, ::1], _I),
+    _I(_LAW, *_SHARED, _I[:, ::1], _F[:, :, ::1], _F, _F[:, ::1], _F[:, :, ::1], _I, _I, _I[::1]),
     cache=True,
     error_model="numpy",
 )
@@ -116,6 +138,8 @@ def asynchronous(
     motions: Floats,
     tracks: Floats,
     every: int,
+    before: int,
+    turn: Ints,
 ) -> int:
     """Steps in which the members decide and move one after the other; returns −1, or who failed.
 
@@ -125,25 +149,31 @@ def asynchronous(
     beams = 0 if stages.detection == detection.Detection.PERFECT else detection.BEAMS
     room = scratch(count, stages.steps.shape[0], len(place.walls), beams)
     pad = PAD * stages.reach
+    block = part_of(count)
+    crowd = Crowd(bodies.positions, bodies.headings, bodies.velocities, np.arange(count))
     for step in range(len(order)):
         cells = binned(bodies.positions, stages.reach + 2.0 * pad, place.period)
         at = bodies.positions.copy()
         for k in range(order.shape[1]):
             i = order[step, k]
-            if not decide(law, i, stages, bodies, minds, cells, place, draws[step, k], dt, room):
+            turn[0], turn[1] = step, i
+            if not decide(law, i, stages, bodies, minds, crowd, cells, place, draws[step, k], dt, room):
                 motions[i] = room.motion
-                return step * count + i
+                return 1
             motions[i] = room.motion
             move(i, int(motions[i, 0]), motions[i, 1], motions[i, 2], bodies, bodies.positions, limits, place, dt)
-            if cells.columns > 0:
+            if (k + 1) % block == 0:
+                cells = binned(bodies.positions, stages.reach + 2.0 * pad, place.period)
+                at[:] = bodies.positions
+            elif cells.columns > 0:
                 dx = shortest(bodies.positions[i, 0] - at[i, 0], place.period)
                 dy = shortest(bodies.positions[i, 1] - at[i, 1], place.period)
                 if dx * dx + dy * dy > pad * pad:
                     cells = binned(bodies.positions, stages.reach + 2.0 * pad, place.period)
                     at[:] = bodies.positions
-        if (step + 1) % every == 0:
-            record(bodies, tracks[(step + 1) // every - 1])
-    return -1
+        if (before + step + 1) % every == 0:
+            record(bodies, tracks[(before + step + 1) // every - 1])
+    return 0
 
 
 @numba.njit(types.void(*_SHARED[1:3], _SHARED[4], _F, _F[:, ::1]), cache=True, error_model="numpy")

@@ -23,6 +23,17 @@ from flocking.perception import ARGUMENTS, Step, keep
 from flocking.types import ANONYMOUS, Bools, Floats, Ints, Kind
 
 
+class Crowd(NamedTuple):
+    """Everybody as seen from outside, in the order of the cells: what is near in space is near in memory."""
+
+    positions: Floats
+    """(N, 2)."""
+    headings: Floats
+    velocities: Floats
+    ids: Ints
+    """(N,) which member each row is."""
+
+
 class Scratch(NamedTuple):
     """Room for what one member sees."""
 
@@ -39,7 +50,7 @@ class Scratch(NamedTuple):
     velocities: Floats
     ids: Ints
     sources: Ints
-    """Which member each input is of, −1 = virtual."""
+    """Which row of the crowd each input is of."""
     sets: Bools
     """Flat: (S · M,) is reshaped."""
     linked: Bools
@@ -80,9 +91,27 @@ def scratch(count: int, sets: int, walls: int, beams: int) -> Scratch:
 
 
 @borrowing
+def assemble(bodies: Bodies, cells: Cells, crowd: Crowd) -> None:
+    """Writes the crowd in the order of the cells."""
+    members, ids = cells.members, crowd.ids
+    positions, all_positions = crowd.positions, bodies.positions
+    headings, all_headings = crowd.headings, bodies.headings
+    velocities, all_velocities = crowd.velocities, bodies.velocities
+    for k in range(len(members)):
+        j = members[k]
+        ids[k] = j
+        positions[k, 0], positions[k, 1] = all_positions[j, 0], all_positions[j, 1]
+        headings[k] = all_headings[j]
+        velocities[k, 0], velocities[k, 1] = all_velocities[j, 0], all_velocities[j, 1]
+
+
+@borrowing
 def candidates(
     i: int,
+    x: float,
+    y: float,
     positions: Floats,
+    who: Ints,
     members: Ints,
     cells: Cells,
     period: float,
@@ -91,14 +120,13 @@ def candidates(
     found: Ints,
     seen: Floats,
 ) -> int:
-    """Writes who is within reach of member i, and where from it (world axes); returns their number."""
-    x, y = positions[i, 0], positions[i, 1]
+    """Writes which rows of the crowd are within reach of member i, and where from it (world axes); returns how many."""
     squared, count = reach * reach, 0
     if cells.columns == 0:
         for j in range(len(positions)):
             dx = shortest(positions[j, 0] - x, period)
             dy = shortest(positions[j, 1] - y, period)
-            if j != i and dx * dx + dy * dy <= squared:
+            if dx * dx + dy * dy <= squared and who[j] != i:
                 found[count] = j
                 seen[count, 0], seen[count, 1] = dx, dy
                 count += 1
@@ -109,7 +137,7 @@ def candidates(
             j = members[k]
             dx = shortest(positions[j, 0] - x, period)
             dy = shortest(positions[j, 1] - y, period)
-            if dx * dx + dy * dy <= squared and j != i:
+            if dx * dx + dy * dy <= squared and who[j] != i:
                 found[count] = j
                 seen[count, 0], seen[count, 1] = dx, dy
                 count += 1
@@ -146,6 +174,7 @@ def describe(
     sources: Ints,
     all_headings: Floats,
     all_velocities: Floats,
+    all_ids: Ints,
     headings: Floats,
     velocities: Floats,
     ids: Ints,
@@ -156,7 +185,7 @@ def describe(
         headings[k] = wrap(all_headings[j] - heading)
         vx, vy = all_velocities[j, 0], all_velocities[j, 1]
         velocities[k, 0], velocities[k, 1] = c * vx + s * vy, c * vy - s * vx
-        ids[k] = j
+        ids[k] = all_ids[j]
 
 
 @borrowing
@@ -184,12 +213,23 @@ def owners_of(found: int, candidates_: Ints, sources: Ints) -> None:
 
 
 @inlined
-def detected(i: int, stages: Stages, bodies: Bodies, cells: Cells, place: Place, room: Scratch) -> int:
+def detected(i: int, stages: Stages, bodies: Bodies, crowd: Crowd, cells: Cells, place: Place, room: Scratch) -> int:
     """Stage 2: writes the set D of member i in its body frame; returns its size."""
     perfect = stages.detection == detection.Detection.PERFECT
     sources = room.sources if perfect else room.candidates
     found = candidates(
-        i, bodies.positions, cells.members, cells, place.period, stages.reach, room.near, sources, room.seen
+        i,
+        bodies.positions[i, 0],
+        bodies.positions[i, 1],
+        crowd.positions,
+        crowd.ids,
+        cells.members,
+        cells,
+        place.period,
+        stages.reach,
+        room.near,
+        sources,
+        room.seen,
     )
     heading = bodies.headings[i]
     c, s = math.cos(heading), math.sin(heading)
@@ -210,7 +250,17 @@ def detected(i: int, stages: Stages, bodies: Bodies, cells: Cells, place: Place,
         )
         owners_of(found, room.candidates, room.sources)
     describe(
-        heading, c, s, found, room.sources, bodies.headings, bodies.velocities, room.headings, room.velocities, room.ids
+        heading,
+        c,
+        s,
+        found,
+        room.sources,
+        crowd.headings,
+        crowd.velocities,
+        crowd.ids,
+        room.headings,
+        room.velocities,
+        room.ids,
     )
     if stages.information == BEARINGS:
         at_distance(room.positions, found, stages.assumed_distance)
@@ -235,29 +285,29 @@ def with_virtual(found: int, points: Floats, stages: Stages, room: Scratch) -> i
         room.headings[count] = math.atan2(uy, ux)
         room.velocities[count, 0], room.velocities[count, 1] = ux, uy
         room.ids[count] = ANONYMOUS
-        room.sources[count] = -1
         count += 1
     return count
 
 
 @borrowing
-def links(i: int, found: int, graph: Bools, sources: Ints, linked: Bools) -> None:
+def links(i: int, found: int, graph: Bools, ids: Ints, linked: Bools) -> None:
     """Writes which inputs are of members that the graph joins to member i."""
     for k in range(found):
-        linked[k] = sources[k] >= 0 and graph[i, sources[k]]
+        linked[k] = ids[k] >= 0 and graph[i, ids[k]]
 
 
 @inlined
 def select(i: int, found: int, stages: Stages, minds: Minds, place: Place, room: Scratch) -> None:
     """Stage 3: writes the masks of all sets into `room.sets`."""
     if len(place.graph) > 0:
-        links(i, found, place.graph, room.sources, room.linked)
+        links(i, found, place.graph, room.ids, room.linked)
     if len(place.tessellated) > 0:
-        links(i, found, place.tessellated, room.sources, room.tessellated)
+        links(i, found, place.tessellated, room.ids, room.tessellated)
     steps, given, named = stages.steps, stages.given, stages.named
     positions, bearings, ids = room.positions[:found], room.bearings[:found], room.ids[:found]
     linked, tessellated = room.linked[:found], room.tessellated[:found]
     sets, numbers, parameters = room.sets, room.given, minds.parameters
+    row = min(i, len(parameters) - 1)
     for set_ in range(steps.shape[0]):
         mask = sets[set_ * found : (set_ + 1) * found]
         for k in range(found):
@@ -267,7 +317,7 @@ def select(i: int, found: int, stages: Stages, minds: Minds, place: Place, room:
                 continue
             for a in range(ARGUMENTS):
                 at = named[set_, k, a]
-                numbers[a] = parameters[i, at] if at >= 0 else given[set_, k, a]
+                numbers[a] = parameters[row, at] if at >= 0 else given[set_, k, a]
             keep(steps[set_, k], numbers, positions, bearings, ids, linked, tessellated, mask)
 
 
@@ -296,6 +346,7 @@ def decide(
     stages: Stages,
     bodies: Bodies,
     minds: Minds,
+    crowd: Crowd,
     cells: Cells,
     place: Place,
     u: Floats,
@@ -304,7 +355,7 @@ def decide(
 ) -> bool:
     """Stages 2 to 4 of member i; its motion is in `room.motion`. False if the law gave what it must not."""
     know_oneself(i, bodies, minds, dt, room.own)
-    found = detected(i, stages, bodies, cells, place, room)
+    found = detected(i, stages, bodies, crowd, cells, place, room)
     blocks = 0
     if stages.obstacles or stages.avoids or stages.virtual:
         heading = bodies.headings[i]
@@ -314,7 +365,8 @@ def decide(
             math.cos(heading),
             math.sin(heading),
             place.walls,
-            stages.sight,
+            # in periodic space nothing is farther away than half the diagonal
+            stages.sight if place.period == 0.0 else min(stages.sight, 0.7072 * place.period),
             room.obstacles,
         )
         if stages.virtual:
@@ -331,14 +383,17 @@ def decide(
         room.ids[:found],
         room.sets[: sets * found].reshape(sets, found),
         room.obstacles[: blocks if stages.obstacles else 0],
-        minds.parameters[i, : stages.parameters],
+        minds.parameters[min(i, len(minds.parameters) - 1), : stages.parameters],
         bodies.memory[i, : stages.memory],
         u,
         motion,
     )
+    kind = int(motion[0])
+    if not 0 <= kind <= 5:
+        return False
     if stages.avoids and blocks > 0:
         kind, x, y, _ = avoid(
-            int(motion[0]),
+            kind,
             motion[1],
             motion[2],
             room.own[0],
@@ -349,7 +404,6 @@ def decide(
             stages.margin,
         )
         motion[0], motion[1], motion[2] = kind, x, y
-    kind = int(motion[0])
     if kind == Kind.HOLD or kind == Kind.STOP:
         return True
-    return 0 <= kind <= 5 and abs(motion[1]) + abs(motion[2]) < math.inf
+    return abs(motion[1]) + abs(motion[2]) < math.inf
