@@ -69,7 +69,12 @@ def _names(kind: str) -> dict[str, str]:
         from trials.keys import valid
 
         modules = {name: modules[name] for name in valid(packages[kind])}
-    return {name: _first_sentence(module) for name, module in sorted(modules.items())}
+    named = {name: _first_sentence(module) for name, module in sorted(modules.items())}
+    if kind == "worlds":
+        from trials.kinematic.fields import WORLD_PARAMETERS
+
+        named |= {f"kinematic: {name}": _opening(fields.__doc__ or "") for name, fields in WORLD_PARAMETERS.items()}
+    return named
 
 
 def _functions(kind: str) -> dict[str, str]:

@@ -103,7 +103,7 @@ class GroupFields(NamedTuple):
 
 
 class SpaceParameters(NamedTuple):
-    """Of a bounded or periodic world."""
+    """A square with walls around it (bounded), or whose opposite sides are one (periodic)."""
 
     size_m: Annotated[
         float, Parameter("m", f"side of the square; {_LAW}, its spacing times the root of the count", low=1e-6)
@@ -111,7 +111,7 @@ class SpaceParameters(NamedTuple):
 
 
 class ObstacleParameters(NamedTuple):
-    """Of a bounded square with walls scattered in it."""
+    """A bounded square with pieces of wall scattered in it."""
 
     size_m: Annotated[
         float, Parameter("m", f"side of the square; {_LAW}, its spacing times the root of the count", low=1e-6)
@@ -133,6 +133,10 @@ class UniformParameters(NamedTuple):
     ] = 180.0
 
 
+class GroupParameters(UniformParameters):
+    """One group, uniformly over a square in the middle of the world."""
+
+
 class SplitParameters(NamedTuple):
     """Two equal groups side by side along x, each uniformly over a square."""
 
@@ -148,7 +152,7 @@ class SplitParameters(NamedTuple):
 
 
 class LatticeParameters(NamedTuple):
-    """A lattice, centred, as square as the count permits."""
+    """A lattice of squares or of equilateral triangles, centred, as square as the count permits."""
 
     spacing_m: Annotated[float, Parameter("m", f"between neighbours; {_LAW}", low=1e-6)] = OPEN
     jitter_m: Annotated[float, Parameter("m", "a choice: shifts are drawn within ± this in x and y", low=0.0)] = 0.0
@@ -158,7 +162,7 @@ class LatticeParameters(NamedTuple):
 
 
 class NoParameters(NamedTuple):
-    """Of a world that has none."""
+    """The plane without a border."""
 
 
 WORLD_PARAMETERS: dict[str, type] = {
@@ -169,7 +173,7 @@ WORLD_PARAMETERS: dict[str, type] = {
 }
 FORMATION_PARAMETERS: dict[str, type] = {
     "uniform": UniformParameters,
-    "single-group": UniformParameters,
+    "single-group": GroupParameters,
     "split-group": SplitParameters,
     "triangular-lattice": LatticeParameters,
     "square-lattice": LatticeParameters,
