@@ -11,9 +11,11 @@ from flocking.types import Bools, Floats
 @compiled
 def unit(x: float, y: float) -> tuple[float, float]:
     """(x, y) divided by its length; (0, 0) for a vector that has none."""
-    length = math.hypot(x, y)
-    if length == 0.0:
-        return 0.0, 0.0
+    length = math.sqrt(x * x + y * y)
+    if length == 0.0 or length == math.inf:
+        length = math.hypot(x, y)  # where squares underflow or overflow
+        if length == 0.0:
+            return 0.0, 0.0
     return x / length, y / length
 
 
