@@ -16,7 +16,7 @@ import numpy as np
 
 from flocking.measures_links import Outcomes
 from flocking.types import Floats
-from trials.claims import Cells, Entry, Outcome, Question, Run, above, answered, arms, published, same
+from trials.claims import Cells, Entry, Outcome, Question, Run, UndecidedError, above, answered, arms, published, same
 from trials.kinematic.lattice_starts import BOTH, POSITION, VELOCITY
 from trials.kinematic.links import counts, share
 from trials.link_tension_estimates import foretold, one_more
@@ -175,6 +175,8 @@ def _above(
             label = f"share {told}, {formation}, t = {start} to {start + 1}"
             if np.isfinite(values).any():
                 found.append(above(label, values, threshold, scale, decides=formation != BOTH))
+    if not any(outcome.decides for outcome in found):
+        raise UndecidedError("the run has no links that were so foretold")
     return found
 
 
@@ -195,4 +197,6 @@ def _others_alike(cells: Linked) -> list[Outcome]:
                         told = f"{formation}, alpha {alpha:g}, {strength:g}, t = {start} to {start + 1}"
                         label = f"share held of those {name}, {told}"
                         found.append(same(label, differences, ALMOST, decides=formation != BOTH))
+    if not any(outcome.decides for outcome in found):
+        raise UndecidedError("the run has no other setting with links that were so foretold")
     return found

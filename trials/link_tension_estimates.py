@@ -107,7 +107,7 @@ FEWEST_FORETELLING = 20
 def one_more(values: Floats, number: float) -> Decision:
     """The claim that `number`, told of a single trial, could be one more of `values` (n,).
 
-    It holds if the number lies within Student's 95 % prediction interval, which is the interval given, else it does not.
+    It holds if the number lies within the interval given, Student's 95 % prediction interval; else it does not.
     """
     values = np.asarray(values, dtype=np.float64)
     values = values[np.isfinite(values)]

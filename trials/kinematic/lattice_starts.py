@@ -42,6 +42,7 @@ class Parameters(NamedTuple):
             "m/s or m", f"{SOURCE}: beta or gamma, 1, 3 and 5; open: speed or spacing of the law's herd", low=0.0
         ),
     ] = OPEN
+    factor: Annotated[float, Parameter("", "a choice: by which the strength is multiplied", low=0.0)] = 1.0
     arrangement: Annotated[
         str,
         Parameter(
@@ -69,11 +70,12 @@ class Parameters(NamedTuple):
 
 def start(formation: str, given: Parameters, count: int, rng: np.random.Generator) -> tuple[Floats, Floats]:
     """(count, 3) poses and (count,) speeds along their headings. The same numbers are drawn whatever is chosen."""
+    strength = given.strength * given.factor
     shifts, numbers = rng.uniform(-1.0, 1.0, (count, 2)), rng.random((count, 2))
     places = arranged(given.arrangement, count, given.spacing_m)
     if formation in (POSITION, BOTH):
-        places = places + given.strength * (shifts if given.shifts == "both" else 0.5 * (shifts + 1.0))
-    velocities = _drawn(given.velocities, numbers) * (0.0 if formation == POSITION else given.strength)
+        places = places + strength * (shifts if given.shifts == "both" else 0.5 * (shifts + 1.0))
+    velocities = _drawn(given.velocities, numbers) * (0.0 if formation == POSITION else strength)
     headings = np.arctan2(velocities[:, 1], velocities[:, 0])
     if formation == POSITION:
         headings = math.pi * (2.0 * numbers[:, 0] - 1.0)
