@@ -104,7 +104,8 @@ def stopped(
         if part > 1.0:
             return x + dx, y + dy
         press(bodies, i, -away_x, -away_y)
-        out = min(depth, 0.5 * place.clearance)
+        # what rounding took is given back; whoever started too near goes out on its own
+        out = min(depth, 0.5 * place.clearance) if depth <= place.clearance else 0.0
         x, y = x + part * dx + out * away_x, y + part * dy + out * away_y
         into = dx * away_x + dy * away_y
         dx, dy = (1.0 - part) * (dx - into * away_x), (1.0 - part) * (dy - into * away_y)

@@ -77,9 +77,9 @@ def until_side(x: float, y: float, dx: float, dy: float, reach: float, wall: Flo
     speed = dy * ex - dx * ey
     if away < 0.0:
         away, speed = -away, -speed
-    if away < reach or speed >= 0.0:
+    if speed >= 0.0:
         return NO_CONTACT
-    part = (reach - away) / speed
+    part = max(0.0, (reach - away) / speed)
     along = (x + part * dx - wall[0]) * ex + (y + part * dy - wall[1]) * ey
     return part if 0.0 <= along <= length else NO_CONTACT
 
