@@ -101,7 +101,9 @@ def tables(found: Finished, arm: dict[str, Any]) -> Canvas:
         axis.set_axis_off()
         start = PERIODS[period]
         letter = "ab"[start]
-        axis.set_title(f"{formation}, t = {start} to {start + 1}; published: table {table[-1]} ({letter})", loc="left")
+        axis.set_title(
+            f"{formation}, t = {start} to {start + 1}; published: table {table[-1]} ({letter})", loc="left", fontsize=8
+        )
         made = [one.outcomes() for one in found.counts({**arm, "formation": formation, **SETTING}, start, 1.0)]
         told = published("akama2014", table)[period]
         texts = [_cell([getattr(one, name) for one in made], told[name]) for name in COUNTS]
@@ -132,7 +134,8 @@ def sweep(run: Run, found: Finished) -> Canvas:
             mean, low, high = mean_interval(np.array([getattr(one, name) for one in made], dtype=float))
             axis.plot(mean, at, "o", color=draw.SERIES_COLOURS[0], ms=2.5)
             axis.hlines(at, low, high, color=draw.SERIES_COLOURS[0], lw=1.0)
-        axis.set_yticks(range(len(chosen)), [named(arm) for arm in chosen], fontsize=5)
+        labels = [named(arm) for arm in chosen] if (name, start) == shown[0] else [""] * len(chosen)
+        axis.set_yticks(range(len(chosen)), labels, fontsize=5)
         axis.set_ylim(len(chosen) - 0.5, -0.5)
         axis.tick_params(axis="x", labelsize=6)
     return canvas

@@ -14,6 +14,7 @@ from trials.claims import Run
 from trials.figures import Canvas
 from trials.kinematic import fields
 from trials.kinematic.figures import first_result
+from trials.kinematic.links import WITHIN
 from trials.types import Trial, TrialResult
 
 MOMENTS = (0, 1, 2)
@@ -72,7 +73,7 @@ def snapshots(result: TrialResult | None) -> list[Snapshot] | None:
         at = round(moment * given.unit_s / dt)
         if at >= len(positions):
             return None
-        links = links_within(positions[at], given.range_m)
+        links = links_within(positions[at], given.range_m * WITHIN)
         index = link_tension(positions[at], velocities[at], links, given.range_m, given.rest_m)
         found.append(Snapshot(positions[at], links, index))
     return found

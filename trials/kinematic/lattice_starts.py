@@ -10,8 +10,8 @@ seconds, radians; world frame, in unbounded space.
 
 How 100 members are arranged on the lattice, the signs of the shifts and the distribution of the velocities are not
 published: they are parameters. Rows of ten have 261 links and so has a rhombus of ten by ten, the publication 262; the
-members nearest to a point between three have 264. No block of equal rows, of rows that are in turn one shorter, no
-hexagon's spiral and no disc about a member, a link's middle or a triangle's has 262.
+members nearest to a point within a triangle have 264. No block in rows of equal width has 262, nor one whose rows are
+in turn one shorter, nor a spiral about a member; of the discs about random points 3 in 200 have.
 """
 
 from __future__ import annotations

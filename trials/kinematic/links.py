@@ -34,6 +34,8 @@ EDGES = (-0.6, -0.4, -0.2, 0.0, 0.2, 0.5, 1.0, 2.0, 4.0)
 BINS = len(EDGES) + 1
 POSITIVE = EDGES.index(0.0) + 1
 """The first bin that foretells a break."""
+WITHIN = 1.0 - 1e-9
+"""Of the range: members exactly at it, as a lattice may have them, are not selected by the laws and are not linked."""
 MOST_HELD = 5_000_000
 """Lengths held at a time."""
 
@@ -92,7 +94,7 @@ def measure(
         first = round(start * given.unit_s / dt)
         if first >= len(times):
             break
-        links = links_within(positions[first], given.range_m, period_m)
+        links = links_within(positions[first], given.range_m * WITHIN, period_m)
         if start == 0:
             found["links"] = float(len(links))
         bins = {}
