@@ -12,6 +12,9 @@ from flocking.types import Floats, Ints
 
 FEWEST_MEMBERS = 48
 """Below it, looking at everybody is as fast as binning. (measured)"""
+FINEST = 1e-6
+"""Part by which cells are wider than asked, and of the herd's width that they have at least: numbers of columns up to
+its inverse are then right to far less than one."""
 FEWEST_CELLS = 4
 """Along each axis; with fewer, the nine cells are most of the space."""
 
@@ -22,6 +25,8 @@ class Cells(NamedTuple):
     columns: int
     """Cells along x; 0 = there are none: look at everybody."""
     rows: int
+    folded: bool
+    """Whether the last column and row have the first ones beside them: periodic space, or a scattered herd."""
     x0: float
     y0: float
     edge_x: float
@@ -35,7 +40,13 @@ class Cells(NamedTuple):
 @compiled
 def no_cells() -> Cells:
     """Look at everybody."""
-    return Cells(0, 0, 0.0, 0.0, 1.0, 1.0, np.empty(0, np.int64), np.empty(0, np.int64))
+    return Cells(0, 0, False, 0.0, 0.0, 1.0, 1.0, np.empty(0, np.int64), np.empty(0, np.int64))
+
+
+@compiled
+def no_members() -> Ints:
+    """Nobody."""
+    return np.empty(0, np.int64)
 
 
 @compiled
@@ -53,60 +64,81 @@ def binned(positions: Floats, edge: float, period: float) -> Cells:
             y0, y1 = min(y0, positions[i, 1]), max(y1, positions[i, 1])
         if not (x1 - x0) + (y1 - y0) < math.inf:
             return no_cells()
-    # a scattered herd gets wider cells rather than many empty ones
-    edge = max(edge, math.sqrt((x1 - x0) * (y1 - y0) / (2.0 * count)))
     most = 2.0 * count
-    columns = int(max(1.0, min(most, math.floor((x1 - x0) / edge))))
-    rows = int(max(1.0, min(most, math.floor((y1 - y0) / edge))))
+    if period > 0.0:  # wider cells rather than many empty ones
+        edge = max(edge, math.sqrt((x1 - x0) * (y1 - y0) / most))
+    else:  # so wide that cells can be counted without a slip of rounding
+        edge = max(edge, FINEST * max(x1 - x0, y1 - y0)) * (1.0 + FINEST)
+        if edge == 0.0:
+            return no_cells()
+    if period == 0.0 and (math.floor((x1 - x0) / edge) + 1.0) * (math.floor((y1 - y0) / edge) + 1.0) > most:
+        # a scattered herd shares its cells with those far away, like one map folded many times
+        columns = rows = int(max(FEWEST_CELLS, math.ceil(math.sqrt(most))))
+        return filled(positions, Cells(columns, rows, True, x0, y0, edge, edge, no_members(), no_members()))
+    columns = int(max(1.0, math.floor((x1 - x0) / edge)))
+    rows = int(max(1.0, math.floor((y1 - y0) / edge)))
     if columns * rows < FEWEST_CELLS * FEWEST_CELLS or (period > 0.0 and min(columns, rows) < FEWEST_CELLS):
         return no_cells()
     edge_x = max((x1 - x0) / columns, edge)
     edge_y = max((y1 - y0) / rows, edge)
-    starts = np.zeros(columns * rows + 1, np.int64)
+    return filled(positions, Cells(columns, rows, period > 0.0, x0, y0, edge_x, edge_y, no_members(), no_members()))
+
+
+@compiled
+def filled(positions: Floats, cells: Cells) -> Cells:
+    """The empty cells with the members in them."""
+    count = len(positions)
+    starts = np.zeros(cells.columns * cells.rows + 1, np.int64)
     which = np.empty(count, np.int64)
     for i in range(count):
-        which[i] = _cell(positions[i, 0], positions[i, 1], x0, y0, edge_x, edge_y, columns, rows)
+        column, row = cell_of(cells, positions[i, 0], positions[i, 1])
+        which[i] = row * cells.columns + column
         starts[which[i] + 1] += 1
-    for c in range(columns * rows):
+    for c in range(cells.columns * cells.rows):
         starts[c + 1] += starts[c]
-    filled = starts[:-1].copy()
+    at = starts[:-1].copy()
     members = np.empty(count, np.int64)
     for i in range(count):
-        members[filled[which[i]]] = i
-        filled[which[i]] += 1
-    return Cells(columns, rows, x0, y0, edge_x, edge_y, starts, members)
+        members[at[which[i]]] = i
+        at[which[i]] += 1
+    return Cells(
+        cells.columns, cells.rows, cells.folded, cells.x0, cells.y0, cells.edge_x, cells.edge_y, starts, members
+    )
 
 
 @compiled
 def cells_of(cells: Cells, members: Ints) -> Cells:
     """The same cells with other names for their members, in the same order."""
-    return Cells(cells.columns, cells.rows, cells.x0, cells.y0, cells.edge_x, cells.edge_y, cells.starts, members)
+    return Cells(
+        cells.columns, cells.rows, cells.folded, cells.x0, cells.y0, cells.edge_x, cells.edge_y, cells.starts, members
+    )
 
 
 @compiled
-def _cell(x: float, y: float, x0: float, y0: float, edge_x: float, edge_y: float, columns: int, rows: int) -> int:
-    column = min(max(int((x - x0) / edge_x), 0), columns - 1)
-    row = min(max(int((y - y0) / edge_y), 0), rows - 1)
-    return row * columns + column
+def cell_of(cells: Cells, x: float, y: float) -> tuple[int, int]:
+    """Column and row in which (x, y) lies."""
+    along, up = math.floor((x - cells.x0) / cells.edge_x), math.floor((y - cells.y0) / cells.edge_y)
+    if cells.folded:
+        return int(along) % cells.columns, int(up) % cells.rows
+    return int(min(max(along, 0.0), cells.columns - 1.0)), int(min(max(up, 0.0), cells.rows - 1.0))
 
 
 @compiled
-def nearby(cells: Cells, x: float, y: float, period: float, found: Ints) -> int:
+def nearby(cells: Cells, x: float, y: float, found: Ints) -> int:
     """Writes the slots `start, end` in `Cells.members` of the nine cells about (x, y); returns how many numbers.
 
     `found` (18,). Rows of three neighbouring cells are one piece where they lie side by side.
     """
-    column = min(max(int((x - cells.x0) / cells.edge_x), 0), cells.columns - 1)
-    row = min(max(int((y - cells.y0) / cells.edge_y), 0), cells.rows - 1)
+    column, row = cell_of(cells, x, y)
     count = 0
     for r in range(row - 1, row + 2):
         at = r
-        if period > 0.0:
+        if cells.folded:
             at = r % cells.rows
         elif r < 0 or r >= cells.rows:
             continue
         first, last = column - 1, column + 1
-        if period > 0.0 and (first < 0 or last >= cells.columns):
+        if cells.folded and (first < 0 or last >= cells.columns):
             for c in range(first, last + 1):
                 here = at * cells.columns + c % cells.columns
                 found[count], found[count + 1] = cells.starts[here], cells.starts[here + 1]

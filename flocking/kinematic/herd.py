@@ -192,6 +192,8 @@ class KinematicHerd:
             speeds = np.asarray(speeds, dtype=np.float64)
             if speeds.shape not in ((), (count,)):
                 raise InputError(f"speeds of shape {speeds.shape} for {count} members; expected one, or one each")
+            if not np.isfinite(speeds).all():
+                raise InputError(f"a starting speed is {speeds[~np.isfinite(speeds)].flat[0]:g}; expected finite ones")
             velocities_w = (np.stack([np.cos(headings), np.sin(headings)]) * speeds).T
         given = np.asarray(velocities_w, dtype=np.float64)
         if given.shape != (count, 2):
@@ -252,7 +254,8 @@ class KinematicHerd:
         """One asynchronous step in an order drawn anew, by runs of one band each or in parts."""
         turns = np.argsort(self.order_rng.random(len(self.positions)))
         for run in np.split(turns, np.flatnonzero(np.diff(self.band_of[turns])) + 1):
-            band, first, block = int(self.band_of[run[0]]), 0, kernel.part_of(len(turns))
+            band, first = int(self.band_of[run[0]]), 0
+            block = kernel.part_of(len(turns), self.stages[band].reach)
             while first < len(run):
                 part = np.ascontiguousarray(run[None, first : first + max(1, self.pace // block) * block])
                 draws = self.law_rng.random((1, part.shape[1], self.draws[band]))

@@ -6,6 +6,7 @@ The kernel is compiled once for all laws: it takes a law through the one signatu
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 import numba
@@ -25,7 +26,7 @@ from flocking.types import Floats, Ints
 PAD = 0.25
 """Of the reach: how far a member may move before asynchronous members are binned anew."""
 
-PARTS = 4
+PARTS = 8
 """In which a step of asynchronous members may be done; neighbours come in the order of their cells, and the order of a
 sum is its rounding: the same parts, the same numbers."""
 
@@ -115,9 +116,9 @@ def synchronous(
 
 
 @borrowing
-def part_of(count: int) -> int:
-    """Members after which asynchronous ones are binned anew in any case: a step may be done in such parts."""
-    return (count + PARTS - 1) // PARTS
+def part_of(count: int, reach: float) -> int:
+    """Members after which asynchronous ones are binned anew in any case: a step may be done in multiples of it."""
+    return (count + PARTS - 1) // PARTS if reach < math.inf else 1
 
 
 @numba.njit(
@@ -149,7 +150,7 @@ def asynchronous(
     beams = 0 if stages.detection == detection.Detection.PERFECT else detection.BEAMS
     room = scratch(count, stages.steps.shape[0], len(place.walls), beams)
     pad = PAD * stages.reach
-    block = part_of(count)
+    block = part_of(count, stages.reach)
     crowd = Crowd(bodies.positions, bodies.headings, bodies.velocities, np.arange(count))
     for step in range(len(order)):
         cells = binned(bodies.positions, stages.reach + 2.0 * pad, place.period)
@@ -162,7 +163,7 @@ def asynchronous(
                 return 1
             motions[i] = room.motion
             move(i, int(motions[i, 0]), motions[i, 1], motions[i, 2], bodies, bodies.positions, limits, place, dt)
-            if (k + 1) % block == 0:
+            if cells.columns > 0 and (k + 1) % block == 0:
                 cells = binned(bodies.positions, stages.reach + 2.0 * pad, place.period)
                 at[:] = bodies.positions
             elif cells.columns > 0:

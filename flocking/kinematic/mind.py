@@ -131,7 +131,7 @@ def candidates(
                 seen[count, 0], seen[count, 1] = dx, dy
                 count += 1
         return count
-    pieces = nearby(cells, x, y, period, near)
+    pieces = nearby(cells, x, y, near)
     for p in range(0, pieces, 2):
         for k in range(near[p], near[p + 1]):
             j = members[k]
