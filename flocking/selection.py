@@ -307,10 +307,28 @@ def tessellated(positions: Floats, period_m: float = 0.0) -> Bools:
     count = len(positions)
     if period_m > 0.0:
         shifts = period_m * np.array([(x, y) for x in (0.0, 1.0, -1.0) for y in (0.0, 1.0, -1.0)])
-        images = tessellated((positions[None] + shifts[:, None]).reshape(-1, 2))
-        folded = np.asarray(images[:count].reshape(count, len(shifts), count).any(axis=1), dtype=np.bool_)
-        np.fill_diagonal(folded, False)
-        return folded
+        images = (positions[None] + shifts[:, None]).reshape(-1, 2)
+        finite = np.flatnonzero(np.isfinite(images).all(axis=1))
+        places, place = np.unique(images[finite], axis=0, return_inverse=True)
+        folded = np.zeros((count, count), dtype=np.bool_)
+        if len(places) == 0:
+            return folded
+        # one member stands for all at a place; the others share its neighbours below
+        first = np.full(len(places), -1)
+        first[place.ravel()[::-1]] = finite[::-1]
+        edges = _edges(places)
+        ends = first[edges[(first[edges] < count).any(axis=1)]] % count  # the border of the images has false ones
+        first %= count
+        folded[ends[:, 0], ends[:, 1]] = folded[ends[:, 1], ends[:, 0]] = True
+        alike = np.full(count, -1)
+        here = finite < count
+        alike[finite[here]] = first[place.ravel()[here]]
+        known = np.flatnonzero(alike >= 0)
+        touching = np.zeros_like(folded)
+        np.fill_diagonal(folded, True)
+        touching[np.ix_(known, known)] = folded[np.ix_(alike[known], alike[known])]
+        np.fill_diagonal(touching, False)
+        return touching
     touching = np.zeros((count, count), dtype=np.bool_)
     finite = np.flatnonzero(np.isfinite(positions).all(axis=1))
     points, which = np.unique(positions[finite], axis=0, return_inverse=True)

@@ -107,6 +107,7 @@ class Stages(NamedTuple):
     """Whether the shared avoidance is added to the law."""
     virtual: bool
     """Whether obstacles become virtual members."""
+    virtual_range: float
     look_ahead: float
     margin: float
 
@@ -148,6 +149,7 @@ def example_stages() -> Stages:
         True,
         True,
         True,
+        0.0,
         0.0,
         0.0,
     )

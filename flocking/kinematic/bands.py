@@ -100,12 +100,13 @@ class Band:
     detection: str = "perfect"
     """`perfect`, `member-based`, `member-extrapolated` or `sensor-based`."""
     information: str = "poses"
-    """`poses`, or `bearings`: every input then stands at `assumed_distance_m`."""
+    """`poses`, or `bearings`: every input then stands at `assumed_distance_m`. The law's range is then that of the
+    sensor: whoever is really beyond it is not seen."""
     assumed_distance_m: float = 1.0
     silhouette_m: float = 0.165
     """Radius of the members as the detections other than perfect see them."""
     sight_m: float = math.inf
-    """Range of those detections, of obstacles and of virtual members."""
+    """Range of those detections and of obstacles."""
     obstacles: str = "as-law"
     """`as-law`; `avoid`: the shared avoidance is added; `virtual-members`: obstacles become members."""
     avoidance: avoidance.Parameters = field(default_factory=avoidance.Parameters)
@@ -161,8 +162,6 @@ class Band:
         values = [law.parameters(one)._asdict() for one in given]
         reach = max((selection.reach(steps, one) for steps in sets for one in values), default=math.inf)
         perfect = self.detection == "perfect"
-        if self.information == "bearings":
-            reach = math.inf
         if not perfect:
             reach = min(reach, self.sight_m) + self.silhouette_m
         read = law.needs | selection.needs(chosen for steps in sets for chosen in steps)
@@ -181,6 +180,7 @@ class Band:
             obstacles="obstacles" in law.needs,
             avoids=self.obstacles == "avoid",
             virtual=self.obstacles == "virtual-members",
+            virtual_range=float(self.avoidance.virtual_range_m),
             look_ahead=float(self.avoidance.look_ahead_m),
             margin=float(self.avoidance.margin_m),
         )

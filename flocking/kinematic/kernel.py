@@ -163,7 +163,8 @@ def asynchronous(
                 return 1
             motions[i] = room.motion
             move(i, int(motions[i, 0]), motions[i, 1], motions[i, 2], bodies, bodies.positions, limits, place, dt)
-            if cells.columns > 0 and (k + 1) % block == 0:
+            if stages.reach < np.inf and (k + 1) % block == 0:
+                # whether there are cells now or not: a step done in parts begins anew here
                 cells = binned(bodies.positions, stages.reach + 2.0 * pad, place.period)
                 at[:] = bodies.positions
             elif cells.columns > 0:

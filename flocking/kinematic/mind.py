@@ -271,9 +271,9 @@ def detected(i: int, stages: Stages, bodies: Bodies, crowd: Crowd, cells: Cells,
 
 @inlined
 def with_virtual(found: int, points: Floats, stages: Stages, room: Scratch) -> int:
-    """The set D with a virtual member for each obstacle in sight; returns its size."""
+    """The set D with a virtual member for each obstacle within their range; returns its size."""
     vx, vy = room.own[0], room.own[1]
-    added = virtual_members(points, vx, vy, stages.sight, room.positions[found:], room.virtual_velocities)
+    added = virtual_members(points, vx, vy, stages.virtual_range, room.positions[found:], room.virtual_velocities)
     count = found
     for k in range(added):
         ux, uy = room.virtual_velocities[k, 0], room.virtual_velocities[k, 1]

@@ -94,6 +94,13 @@ class GroupFields(NamedTuple):
             choices=("as-law", "avoid", "virtual-members"),
         ),
     ] = "as-law"
+    look_ahead_m: Annotated[
+        float, Parameter("m", f"of the shared avoidance; three quarters of a spacing, or a step: {_LAW}", low=0.0)
+    ] = OPEN
+    margin_m: Annotated[float, Parameter("m", f"likewise; 0.28 of a spacing: {_LAW}", low=0.0)] = OPEN
+    virtual_range_m: Annotated[
+        float, Parameter("m", f"of obstacles that become virtual members; one spacing: {_LAW}", low=0.0)
+    ] = OPEN
     informed_share: Annotated[
         float, Parameter("", "share of the members that know the goal, rounded", low=0.0, high=1.0)
     ] = 0.0
@@ -259,6 +266,9 @@ def of_group(group: Group) -> GroupFields:
     return fields._replace(
         speed_m_s=_closed(fields.speed_m_s, own.speed_m_s),
         cruise_m_s=_closed(fields.cruise_m_s, own.speed_m_s),
+        look_ahead_m=_closed(fields.look_ahead_m, max(0.75 * own.spacing_m, own.speed_m_s * own.dt_s)),
+        margin_m=_closed(fields.margin_m, 0.28 * own.spacing_m),
+        virtual_range_m=_closed(fields.virtual_range_m, own.spacing_m),
     )
 
 

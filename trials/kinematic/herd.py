@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flocking import lawentry, selection
+from flocking import avoidance, lawentry, selection
 from flocking.errors import InputError, unknown_name
 from flocking.kinematic import Band, Space
 from flocking.lawentry import OF_MEMBERS
@@ -132,6 +132,7 @@ def _band(group: Group, centre: Floats) -> Band:
         silhouette_m=given.silhouette_m,
         sight_m=_limit(given.sight_m),
         obstacles=given.obstacles,
+        avoidance=avoidance.Parameters(given.look_ahead_m, given.margin_m, given.virtual_range_m),
     )
 
 
