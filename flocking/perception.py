@@ -12,6 +12,7 @@ import math
 from enum import IntEnum
 
 from flocking.compilation import allocating, borrowing, compiled
+from flocking.density import keep_densest
 from flocking.geometry import before
 from flocking.types import Bools, Floats, Ints
 
@@ -132,92 +133,6 @@ def keep_unoccluded(positions: Floats, radius_m: float, mask: Bools) -> None:
             across = (xk * y - yk * x) / d
             if xk * xk + yk * yk < x * x + y * y and xk * x + yk * y > 0.0 and abs(across) < radius_m:
                 mask[j] = False
-
-
-@allocating
-def keep_densest(positions: Floats, bearings: Floats, threshold: float, by_angle: bool, mask: Bools) -> None:
-    """MaxConnComponent(): the largest component of the members linked up to the threshold.
-
-    Linked: at most `threshold` apart (m), or, `by_angle`, seen at most that angle apart (rad). Of components equally
-    large the one that is denser (its members' mean distance from their mean is smaller), then the one whose mean is
-    nearest (by angle: nearest to the nose), then the one with the smaller mean x, y.
-    """
-    count = len(mask)
-    labels = [-1] * count
-    stack = [0] * count
-    left = [0] * count
-    remaining = 0
-    for k in range(count):
-        if mask[k]:
-            left[remaining] = k
-            remaining += 1
-    groups = 0
-    best, best_size = -1, 0
-    best_spread, best_d, best_x, best_y = 0.0, 0.0, 0.0, 0.0
-    while remaining > 0:
-        labels[left[0]] = groups
-        stack[0] = left[0]
-        remaining -= 1
-        for place in range(remaining):
-            left[place] = left[place + 1]
-        height, size, x, y = 1, 0, 0.0, 0.0
-        while height > 0:
-            height -= 1
-            j = stack[height]
-            size += 1
-            if by_angle:
-                x += math.cos(bearings[j])
-                y += math.sin(bearings[j])
-            else:
-                x += positions[j, 0]
-                y += positions[j, 1]
-            others = remaining
-            remaining = 0
-            for place in range(others):
-                k = left[place]
-                if by_angle:
-                    gap = abs((bearings[k] - bearings[j] + math.pi) % (2.0 * math.pi) - math.pi)
-                else:
-                    gap = math.hypot(positions[k, 0] - positions[j, 0], positions[k, 1] - positions[j, 1])
-                if gap <= threshold:
-                    labels[k] = groups
-                    stack[height] = k
-                    height += 1
-                else:
-                    left[remaining] = k
-                    remaining += 1
-        x /= size
-        y /= size
-        spread = 0.0
-        for k in range(count):
-            if labels[k] == groups:
-                if by_angle:
-                    spread += math.hypot(math.cos(bearings[k]) - x, math.sin(bearings[k]) - y)
-                else:
-                    spread += math.hypot(positions[k, 0] - x, positions[k, 1] - y)
-        spread /= size
-        d = abs(math.atan2(y, x)) if by_angle else math.hypot(x, y)
-        better = size > best_size
-        if size == best_size:
-            better = _less(spread, best_spread, d, best_d, x, best_x, y, best_y)
-        if better:
-            best, best_size, best_spread, best_d, best_x, best_y = groups, size, spread, d, x, y
-        groups += 1
-    for j in range(count):
-        mask[j] = labels[j] == best and best != -1
-
-
-TIE = 1e-9
-"""Numbers that differ by less are equal: sums of the same terms in another order differ by rounding."""
-
-
-@compiled
-def _less(a0: float, b0: float, a1: float, b1: float, a2: float, b2: float, a3: float, b3: float) -> bool:
-    """Whether (a0 … a3) comes before (b0 … b3), with ties up to rounding."""
-    for a, b in ((a0, b0), (a1, b1), (a2, b2), (a3, b3)):
-        if abs(a - b) > TIE * (1.0 + abs(a)):
-            return a < b
-    return False
 
 
 @borrowing

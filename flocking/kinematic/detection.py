@@ -18,12 +18,15 @@ from __future__ import annotations
 import math
 from enum import IntEnum
 
+import numpy as np
+
 from flocking.compilation import compiled
 from flocking.types import Floats, Ints
 
 BEAM_RAD = 2.0 * math.pi / 1024.0
 """Step from beam to beam (data sheet of the URG-04LX-UG01)."""
 BEAMS = 1024
+BEAM_X, BEAM_Y = np.cos(BEAM_RAD * np.arange(BEAMS)), np.sin(BEAM_RAD * np.arange(BEAMS))
 FEWEST_BEAMS = 5
 """Fewer readings have no shape. (choice)"""
 LEAST_SHOWN = 0.5
@@ -61,14 +64,12 @@ def readings(positions: Floats, count: int, radius: float, sight: float, ranges:
         d = math.hypot(x, y)
         if d <= radius or d - radius > sight:
             continue
-        bearing = math.atan2(y, x)
         first, last = beams_of(x, y, radius)
         for k in range(first, last + 1):
-            turn = k * BEAM_RAD - bearing
-            along = d * math.cos(turn)
-            across = d * math.sin(turn)
-            reading = along - math.sqrt(max(0.0, radius * radius - across * across))
             b = k % BEAMS
+            along = x * BEAM_X[b] + y * BEAM_Y[b]
+            across = y * BEAM_X[b] - x * BEAM_Y[b]
+            reading = along - math.sqrt(max(0.0, radius * radius - across * across))
             if reading < ranges[b] and reading <= sight:
                 ranges[b] = reading
                 owners[b] = j
@@ -95,8 +96,7 @@ def inputs(
         found = 0
         for b in range(BEAMS):
             if owners[b] >= 0:
-                points[found, 0] = ranges[b] * math.cos(b * BEAM_RAD)
-                points[found, 1] = ranges[b] * math.sin(b * BEAM_RAD)
+                points[found, 0], points[found, 1] = ranges[b] * BEAM_X[b], ranges[b] * BEAM_Y[b]
                 sources[found] = owners[b]
                 found += 1
         return found
@@ -110,7 +110,7 @@ def inputs(
         for k in range(from_, to + 1):
             b = k % BEAMS
             if owners[b] == j:
-                px, py = ranges[b] * math.cos(b * BEAM_RAD), ranges[b] * math.sin(b * BEAM_RAD)
+                px, py = ranges[b] * BEAM_X[b], ranges[b] * BEAM_Y[b]
                 points[found, 0], points[found, 1] = px, py
                 sources[found] = j
                 found += 1
