@@ -67,5 +67,6 @@ def figures(run: Run, folder: Path) -> list[Figure]:
     sizes = sorted({trial.conditions[COUNT] for trial in run.trials if COUNT in trial.conditions})
     lines = [curve_of(run, "polarization", NOISE, f"N {size}", {COUNT: size}) for size in sizes]
     canvas = curves({"order": lines}, "noise (rad)", bounds=(0.0, 1.02))
-    caption = "Mean over the repeats with its 95 % interval; density 4. As figure 2a of Vicsek et al. 1995."
+    caption = "Mean over the repeats with its 95 % interval; density 4. As figure 2a of Vicsek et al. 1995, but that "
+    caption += "herds of thousands at little noise have not found together yet."
     return [draw.save(canvas, folder, "order", "Order against noise", caption)]
