@@ -141,12 +141,13 @@ def _outputs(
             if isinstance(event.exception(), BrokenProcessPool):
                 broken = event.exception()  # type: ignore[assignment]
                 continue
-            yield flying.pop(event), _output(event)
+            trial = flying.pop(event)
+            yield trial, _output(event, trial)
     finally:
         waiting.extendleft(reversed(flying.values()))
 
 
-def _output(future: Future[WorkerOutput]) -> WorkerOutput:
+def _output(future: Future[WorkerOutput], trial: Trial) -> WorkerOutput:
     """What a worker handed back, or a failed trial that says what became of it."""
     error = future.exception()
     if error is None:
@@ -154,7 +155,8 @@ def _output(future: Future[WorkerOutput]) -> WorkerOutput:
     if isinstance(error, StorageError):
         raise error
     if isinstance(error, TimeoutError):
-        return WorkerOutput("failed", f"did not end within {error.args[1]:g} s of wall time")
+        laws = " or ".join(dict.fromkeys(repr(group.law) for group in trial.groups))
+        return WorkerOutput("failed", f"did not end within {error.args[1]:g} s of wall time; law {laws} may not return")
     if isinstance(error, ProcessExpired):
         code = error.exitcode
         how = signal.Signals(-code).name if code < 0 else f"exit code {code}"

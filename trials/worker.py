@@ -160,7 +160,7 @@ def limit_s(trial: Trial) -> float:
     if is_kinematic(trial):
         from trials.kinematic.fields import of_trial
 
-        return 60.0 + of_trial(trial).steps * robots * (1e-3 + 1e-5 * robots)
+        return 60.0 + of_trial(trial).steps * robots * (1e-4 + 1e-7 * robots)
     return 60.0 + trial.duration_s * (1.0 + robots / 10.0)
 
 
