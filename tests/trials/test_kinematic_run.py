@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 from flocking.errors import InputError
+from trials import cli
 from trials.design import plan
 
 WORDS = ["lch-table-4-1", "--repeats", "2", "--only", "1,9,17,25", "--set", "steps=20"]
@@ -110,12 +111,20 @@ def test_a_setting_reaches_the_cells_that_have_a_place_for_it() -> None:
         (["run", "couzin-leaders", "--set", "herd.selection=voronoy"], ["voronoy", "voronoi"]),
     ],
 )
-def test_what_cannot_be_is_refused_in_one_line(tmp_path: Path, words: list[str], expected: list[str]) -> None:
-    done = herd(*words, cwd=tmp_path)
-    assert done.returncode == 2
-    assert done.stderr.count("\n") == 1
+def test_what_cannot_be_is_refused_in_one_line(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    words: list[str],
+    expected: list[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "argv", ["herd", *words])
+    assert cli.main() == 2
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1
     for word in expected:
-        assert word in done.stderr
+        assert word in said
     assert list(tmp_path.iterdir()) == []
 
 
