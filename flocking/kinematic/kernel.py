@@ -76,7 +76,7 @@ def synchronous(
     turn: Ints,
     decides_only: int,
 ) -> int:
-    """Steps in which all members decide on the same state and then move; returns −1, or who failed.
+    """Steps in which all members decide on the same state and then move; returns 0, or 1 if a law failed.
 
     `who` (n,) are the members that run the law; `draws` (steps, n, DRAWS); `motions` (N, 4) is written to. With
     `decides_only` nobody moves (groups with several laws, or a step in parts). Every `every`-th step is recorded in
@@ -142,7 +142,7 @@ def asynchronous(
     before: int,
     turn: Ints,
 ) -> int:
-    """Steps in which the members decide and move one after the other; returns −1, or who failed.
+    """Steps in which the members decide and move one after the other; returns 0, or 1 if a law failed.
 
     `order` (steps, n): who comes when; `draws` (steps, n, DRAWS) in that order. The rest as in `synchronous`.
     """

@@ -42,6 +42,11 @@ VALIDATION = Validation("S", True, "global", "global", "global", "unbounded free
 FILLED = (
     Filled(
         "motion computation",
+        "table A.1 sums over the neighbours alone",
+        "the member's own direction joins the sum of directions, as in the publication",
+    ),
+    Filled(
+        "motion computation",
         "table A.1 leaves out the repulsion that table 3.2 marks, the angular noise and the limit of turning",
         "all three as in the original",
     ),

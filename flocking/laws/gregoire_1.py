@@ -40,7 +40,6 @@ FILLED = (
         "neighbour selection",
         "table A.1 has all members within the distance",
         "of these the ones whose Voronoi cells touch the member's own, as in the publication: else herds collapse",
-        misprint=True,
     ),
     Filled(
         "motion computation",

@@ -63,6 +63,11 @@ SETS = {"neighbours": "distance-based(0, attraction_m)"}
 TAXONOMY = Taxonomy("heterogeneous", "idealized", "discrete", "member", False, True, False, False)
 VALIDATION = Validation("S", True, "local", "global", "global", "unbounded free")
 FILLED = (
+    Filled(
+        "neighbour selection",
+        "table A.1 selects by a bounding box and five angles about the member's course, which no heading gives",
+        "the law tells zones and sectors apart itself, about the course; only the range is a selection",
+    ),
     Filled("neighbour selection", "the angles of the five sectors", "front 30 degrees either way, sides to 90"),
     Filled(
         "motion computation",

@@ -35,6 +35,11 @@ TAXONOMY = Taxonomy("homogeneous", "idealized", "discrete", "-", False, True, Fa
 VALIDATION = Validation("S", True, "global", "-", "-", "unbounded free")
 FILLED = (
     Filled(
+        "neighbour selection",
+        "table A.1 selects the Voronoi neighbours",
+        "all members: of those on a line the law finds the next ones itself, which are these",
+    ),
+    Filled(
         "motion computation",
         "table A.1 compares distances from the member and returns half of one as its position",
         "gaps are compared, and the jump passes the neighbour by a third of the gap, as in the original",

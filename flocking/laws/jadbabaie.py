@@ -33,6 +33,11 @@ VALIDATION = Validation("M", True, "global", "constant", "global", "-")
 FILLED = (
     Filled(
         "motion computation",
+        "a weight g of no more than the number of neighbours is outside of what is defined",
+        "one more than the number of neighbours is then taken",
+    ),
+    Filled(
+        "motion computation",
         "table A.1 weights the own heading with the number of neighbours n, so that the weights do not sum to 1",
         "the own heading weighs g - n and each neighbour 1, all divided by g, as in the original",
         misprint=True,

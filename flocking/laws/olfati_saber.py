@@ -33,6 +33,11 @@ TAXONOMY = Taxonomy("homogeneous", "idealized", "discrete", "all", False, True, 
 VALIDATION = Validation("MS", True, "global", "global", "global", "unbounded obstacles")
 FILLED = (
     Filled(
+        "member detection",
+        "table 3.2 has it avoid everything, by virtual members; table A.1 prints no such term",
+        "virtual members are the mechanism that all laws share (obstacles as virtual members); off unless asked for",
+    ),
+    Filled(
         "sensing",
         "table 3.2 lists orientation and no velocity, and discrete time",
         "the rows are given as printed; the law reads velocities, no orientation, and is an acceleration",
