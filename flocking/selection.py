@@ -16,11 +16,11 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.spatial import Delaunay, QhullError
 
 from flocking import perception
 from flocking.errors import InputError, unknown_name
 from flocking.perception import ARGUMENTS, Step
+from flocking.tessellation import tessellated
 from flocking.types import Bools, Floats, Ints, Members, only
 
 
@@ -296,61 +296,6 @@ def select(steps: Sequence[Chosen], members: Members, linked: Bools | None = Non
         mask = np.zeros_like(mask)
         mask[kept[chosen]] = True
     return mask
-
-
-def tessellated(positions: Floats, period_m: float = 0.0) -> Bools:
-    """(N, N): whose Voronoi cells touch, of members at `positions` (N, 2); in periodic space if `period_m` is not 0.
-
-    By SciPy's Delaunay triangulation. Members on one line touch the next ones; coincident ones share their cells, and
-    members at positions that are not finite have none.
-    """
-    count = len(positions)
-    if period_m > 0.0:
-        shifts = period_m * np.array([(x, y) for x in (0.0, 1.0, -1.0) for y in (0.0, 1.0, -1.0)])
-        images = (positions[None] + shifts[:, None]).reshape(-1, 2)
-        finite = np.flatnonzero(np.isfinite(images).all(axis=1))
-        places, place = np.unique(images[finite], axis=0, return_inverse=True)
-        folded = np.zeros((count, count), dtype=np.bool_)
-        if len(places) == 0:
-            return folded
-        # one member stands for all at a place; the others share its neighbours below
-        first = np.full(len(places), -1)
-        first[place.ravel()[::-1]] = finite[::-1]
-        edges = _edges(places)
-        ends = first[edges[(first[edges] < count).any(axis=1)]] % count  # the border of the images has false ones
-        first %= count
-        folded[ends[:, 0], ends[:, 1]] = folded[ends[:, 1], ends[:, 0]] = True
-        alike = np.full(count, -1)
-        here = finite < count
-        alike[finite[here]] = first[place.ravel()[here]]
-        known = np.flatnonzero(alike >= 0)
-        touching = np.zeros_like(folded)
-        np.fill_diagonal(folded, True)
-        touching[np.ix_(known, known)] = folded[np.ix_(alike[known], alike[known])]
-        np.fill_diagonal(touching, False)
-        return touching
-    touching = np.zeros((count, count), dtype=np.bool_)
-    finite = np.flatnonzero(np.isfinite(positions).all(axis=1))
-    points, which = np.unique(positions[finite], axis=0, return_inverse=True)
-    among = np.zeros((len(points), len(points)), dtype=np.bool_)
-    edges = _edges(points)
-    among[edges[:, 0], edges[:, 1]] = among[edges[:, 1], edges[:, 0]] = True
-    np.fill_diagonal(among, True)
-    touching[np.ix_(finite, finite)] = among[np.ix_(which.ravel(), which.ravel())]
-    np.fill_diagonal(touching, False)
-    return touching
-
-
-def _edges(points: Floats) -> Ints:
-    """(E, 2) edges of the Delaunay triangulation of different points."""
-    if len(points) >= 3:
-        try:
-            triangles = Delaunay(points).simplices
-            return np.vstack([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [0, 2]]]).astype(np.int64)
-        except QhullError:
-            pass  # all on one line
-    order = np.lexsort((points[:, 1], points[:, 0])) if len(points) else np.empty(0, np.int64)
-    return np.stack([order[:-1], order[1:]], axis=1)
 
 
 class Program(NamedTuple):

@@ -12,12 +12,12 @@ from time import perf_counter
 
 import numpy as np
 
-from flocking import selection
 from flocking.errors import InputError
 from flocking.kinematic import kernel
 from flocking.kinematic.arrays import Bodies, Limits, Minds
 from flocking.kinematic.bands import Band, Space
 from flocking.perception import Step
+from flocking.tessellation import tessellated
 from flocking.types import Bools, Floats, Ints
 
 __all__ = ["Band", "History", "KinematicHerd", "LawFailedError", "Space", "simulate", "start_uniform"]
@@ -269,7 +269,7 @@ class KinematicHerd:
 
     def _tessellate(self) -> None:
         if self.voronoi:
-            touching = selection.tessellated(self.positions, self.place.period)
+            touching = tessellated(self.positions, self.place.period)
             self.place = self.place._replace(tessellated=touching)
 
     def _run(

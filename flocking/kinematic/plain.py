@@ -14,6 +14,7 @@ import numpy as np
 from flocking import selection
 from flocking.kinematic.arrays import Bodies
 from flocking.kinematic.herd import Band
+from flocking.tessellation import tessellated
 from flocking.types import NO_OBSTACLES, Bools, Floats, Kind, Members, Motion, Own
 
 
@@ -39,7 +40,7 @@ def step(
             given = band.parameters if isinstance(band.parameters, Mapping) else band.parameters[i - first]
             parameters = band.law.parameters(given)
             if any(chosen.step is selection.Step.VORONOI for steps in sets for chosen in steps) and touching is None:
-                touching = selection.tessellated(before.positions, period_m)
+                touching = tessellated(before.positions, period_m)
             motion = _decided(
                 i, band, sets, parameters, before, after.memory, numbers[i - first], dt_s, period_m, graph, touching
             )
