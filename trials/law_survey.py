@@ -2,8 +2,7 @@
 
 All of it follows from what a law's file declares, so that a new law joins by itself.
 
-- A law takes part if it reads something of other members, moves in the plane (not along one axis), and selects nobody
-  by a graph that a herd would have to be given.
+- A law takes part if it reads something of other members and moves in the plane (not along one axis).
 - It is judged by the largest group's share if it reads where others are, and by polarization if it reads where they
   head (headings or velocities); one that reads no heading or velocity only aggregates, and its MMD counts as well.
 - Its control is random motion at the law's speed, in the law's own herd.
@@ -63,8 +62,6 @@ def why_not(name: str) -> str:
         return "reads nothing of other members"
     if getattr(lawentry.module_of(name), "AXIS", False):
         return "moves along one axis only"
-    if Step.GRAPH in _steps_of(name):
-        return "selects by a graph, which the herd has not"
     return ""
 
 

@@ -41,6 +41,10 @@ class TrialFields(NamedTuple):
         bool, Parameter("", "a choice; false: once all is measured, only the first and the last moment are kept")
     ] = True
     every: Annotated[int, Parameter("steps", "a choice: from one moment that is kept to the next", low=1)] = 1
+    graph: Annotated[
+        str,
+        Parameter("", "a choice: who is in whose fixed set, for laws that select by one", choices=("ring", "complete")),
+    ] = "ring"
     cut_m: Annotated[
         float, Parameter("m", f"members farther apart are of different groups; {_LAW}, its spacing", low=0.0)
     ] = OPEN

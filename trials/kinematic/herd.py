@@ -10,9 +10,11 @@ import numpy as np
 from flocking import avoidance, lawentry, selection
 from flocking.errors import InputError, unknown_name
 from flocking.kinematic import Band, Space
+from flocking.kinematic.herd import MOST_LINKED
 from flocking.lawentry import OF_MEMBERS
 from flocking.parameters import declared, filled
-from flocking.types import Floats, Ints
+from flocking.perception import Step
+from flocking.types import Bools, Floats, Ints
 from trials.kinematic import fields, formations, lattice_starts
 from trials.streams import Purpose, stream
 from trials.types import Group, Trial
@@ -34,6 +36,8 @@ class Herd:
     speeds: Floats
     """(N,) at the start, m/s."""
     fields: fields.TrialFields
+    graph: Bools | None
+    """(N, N): who is in whose fixed set; None if nobody selects by one."""
     kinds: Ints
     """(N,) number of each member's kind: its group, and within it whether it is informed."""
 
@@ -45,7 +49,9 @@ def assemble(trial: Trial) -> Herd:
     centre = np.zeros(2) if space.kind == "unbounded" else np.full(2, space.size_m / 2.0)
     bands = [_band(group, centre) for group in trial.groups]
     kinds = [2 * g + (np.isfinite(_goals(band)).all(axis=1)) for g, band in enumerate(bands)]
-    return Herd(bands, space, poses_w, speeds, fields.of_trial(trial), np.concatenate(kinds))
+    given = fields.of_trial(trial)
+    graph = _graph(given.graph, len(poses_w)) if any(map(_selects_by_graph, bands)) else None
+    return Herd(bands, space, poses_w, speeds, given, graph, np.concatenate(kinds))
 
 
 def check(trial: Trial) -> None:
@@ -134,6 +140,24 @@ def _band(group: Group, centre: Floats) -> Band:
         obstacles=given.obstacles,
         avoidance=avoidance.Parameters(given.look_ahead_m, given.margin_m, given.virtual_range_m),
     )
+
+
+def _selects_by_graph(band: Band) -> bool:
+    sets = selection.parse_sets(band.selection, band.law.sets, band.law.parameter_names)
+    return any(chosen.step is Step.GRAPH for steps in sets for chosen in steps)
+
+
+def _graph(kind: str, count: int) -> Bools:
+    """(N, N) links: each member to the next and the last to the first, or all to all."""
+    if count > MOST_LINKED:
+        raise InputError(f"{count} members: a graph is kept for at most {MOST_LINKED}")
+    if kind == "complete":
+        return ~np.eye(count, dtype=np.bool_)
+    linked = np.zeros((count, count), dtype=np.bool_)
+    members = np.arange(count)
+    linked[members, (members + 1) % count] = linked[(members + 1) % count, members] = True
+    np.fill_diagonal(linked, False)
+    return linked
 
 
 def _goals(band: Band) -> Floats:

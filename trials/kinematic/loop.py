@@ -60,6 +60,7 @@ def simulated(trial: Trial, herd: Herd, every: int) -> History:
         speeds_m_s=herd.speeds,
         synchronous=herd.fields.synchronous,
         every=every,
+        graph=herd.graph,
     )
 
 
