@@ -104,10 +104,12 @@ FEWEST_FORETELLING = 20
 """Seeds from which one more can be foretold."""
 
 
-def one_more(values: Floats, number: float) -> Decision:
+def one_more(values: Floats, number: float, widest: float = math.inf) -> Decision:
     """The claim that `number`, told of a single trial, could be one more of `values` (n,).
 
-    It holds if the number lies within the interval given, Student's 95 % prediction interval; else it does not.
+    It does not hold if the number lies outside of the interval given, Student's 95 % prediction interval. Inside, it
+    holds if the interval reaches no farther than `widest` to either side: a wider one would hold almost anything, and
+    nothing is decided.
     """
     values = np.asarray(values, dtype=np.float64)
     values = values[np.isfinite(values)]
@@ -118,4 +120,5 @@ def one_more(values: Floats, number: float) -> Decision:
     mean, spread = float(values.mean()), float(values.std(ddof=1)) * math.sqrt(1.0 + 1.0 / n)
     reach = float(stats.t.ppf(1.0 - ALPHA / 2.0, n - 1)) * spread
     p = 2.0 * float(stats.t.sf(abs(number - mean) / spread, n - 1)) if spread > 0.0 else float(number == mean)
-    return Decision(p >= ALPHA, 1.0 - p, p, mean, mean - reach, mean + reach, n, hedges_g(values, number))
+    agrees = False if p < ALPHA else True if reach <= widest else None
+    return Decision(agrees, 1.0 - p, p, mean, mean - reach, mean + reach, n, hedges_g(values, number))

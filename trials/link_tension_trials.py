@@ -44,7 +44,7 @@ def _olfati_saber(given: Any) -> float:
 
 
 LINKED: Mapping[str, Linked] = {
-    "akama-naruse": Linked("range_m", "length_m", lambda given: float(given.spring_per_s2)),
+    "akama-naruse": Linked("range_m", "length_m", lambda given: float(given.spring_per_s2 / given.mass)),
     "olfati-saber": Linked("range_m", "spacing_m", _olfati_saber),
     "tanner-switching": Linked(
         "range_m", "spacing_m", lambda given: 4.0 * float(given.strength_m2_s2) / float(given.spacing_m) ** 2

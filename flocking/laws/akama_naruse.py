@@ -54,6 +54,7 @@ class Parameters(NamedTuple):
     length_m: Annotated[float, Parameter("m", f"{SOURCE}: the stable distance d", published=True, low=0.0)] = 1.0
     spring_per_s2: Annotated[float, Parameter("1/s²", "our choice: k_p, not published", low=0.0)] = 1.0
     damper_per_s: Annotated[float, Parameter("1/s", "our choice: k_v, not published", low=0.0)] = 1.0
+    mass: Annotated[float, Parameter("", "our choice: equation 4 has none; divides both coefficients", low=1e-6)] = 1.0
 
 
 def law(
@@ -78,4 +79,4 @@ def law(
         ay += pull * uy + parameters.damper_per_s * (members.velocities[j, 1] - own.velocity[1])
     if found == 0:
         return Motion(Kind.HOLD, math.nan, math.nan, 0)
-    return Motion(Kind.ACCELERATION, ax, ay, 1)
+    return Motion(Kind.ACCELERATION, ax / parameters.mass, ay / parameters.mass, 1)

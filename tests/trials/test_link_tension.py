@@ -268,6 +268,10 @@ def test_one_more_holds_within_the_prediction_interval_alone() -> None:
     assert one_more(np.full(100, 261.0), 262.0).agrees is False
     assert one_more(np.full(100, 261.0), 261.0).agrees is True
     assert one_more(values[:10], 18.0).agrees is None
+    # an interval of some ±4 decides for what it holds only where that is narrow enough to mean something
+    assert one_more(values, 12.0, widest=5.0).agrees is True
+    assert one_more(values, 12.0, widest=3.0).agrees is None
+    assert one_more(values, 18.0, widest=3.0).agrees is False
 
 
 # The experiments

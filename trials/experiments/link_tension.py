@@ -7,8 +7,8 @@ equation 8 cannot of members at rest, as there it is positive only where members
 
 Not published, and so choices that a sweep can change: how 100 members are arranged (`formation.arrangement`), the
 signs of gamma's shifts (`formation.shifts`), how velocities below beta are distributed (`formation.velocities`), k_p
-and k_v (`herd.law.spring_per_s2`, `herd.law.damper_per_s`; the mass is 1), the time step (`timestep_s`). Repeat r has
-the same numbers drawn in all cells.
+and k_v (`herd.law.spring_per_s2`, `herd.law.damper_per_s`), the mass (`herd.law.mass`), the time step (`timestep_s`):
+`link-tension-choices` puts each to other values. Repeat r has the same numbers drawn in all cells.
 """
 
 from __future__ import annotations
@@ -38,7 +38,12 @@ SOURCES = {
 def base(repeat: int) -> Trial:
     """A hundred members in unbounded space."""
     return trial(
-        "link-tension", repeat, [group("akama-naruse", 100)], world="unbounded", formation="velocity-variation"
+        "link-tension",
+        repeat,
+        [group("akama-naruse", 100)],
+        world="unbounded",
+        formation="velocity-variation",
+        keeps_way=False,
     )
 
 
