@@ -23,24 +23,25 @@ def tessellated(positions: Floats, period_m: float = 0.0) -> Bools:
     next ones; coincident ones share their cells, and members at positions that are not finite have none.
     """
     count = len(positions)
+    points = positions
     if period_m > 0.0:
         shifts = period_m * np.array([(x, y) for x in (0.0, 1.0, -1.0) for y in (0.0, 1.0, -1.0)])
-        images = tessellated((positions[None] + shifts[:, None]).reshape(-1, 2))
-        folded = np.asarray(images[:count].reshape(count, len(shifts), count).any(axis=1), dtype=np.bool_)
-        np.fill_diagonal(folded, False)
-        return folded
+        points = (positions[None] + shifts[:, None]).reshape(-1, 2)
     touching = np.zeros((count, count), dtype=np.bool_)
-    finite = np.flatnonzero(np.isfinite(positions).all(axis=1))
+    finite = np.flatnonzero(np.isfinite(points).all(axis=1))
     if len(finite) == 0:
         return touching
-    points = positions[finite] - positions[finite].mean(axis=0)
+    points = points[finite] - points[finite].mean(axis=0)
     points = points / max(float(np.ptp(points, axis=0).max()), 1e-300)
     places = _places(points)
     _, first = np.unique(places, return_index=True)
-    among = np.eye(len(first), dtype=np.bool_)
-    edges = _edges(points[first])
-    among[edges[:, 0], edges[:, 1]] = among[edges[:, 1], edges[:, 0]] = True
-    touching[np.ix_(finite, finite)] = among[np.ix_(places, places)]
+    edges = np.vstack([_edges(points[first]), np.tile(np.arange(len(first))[:, None], 2)])
+    among = coo_array((np.ones(len(edges)), edges.T), shape=(len(first), len(first))).tocsr()
+    at = coo_array((np.ones(len(places)), (np.arange(len(places)), places))).tocsr()
+    pairs = (at @ (among + among.T) @ at.T).tocoo()
+    one, other = finite[pairs.row], finite[pairs.col]
+    own = (one < count) | (other < count)  # of two images elsewhere nothing follows
+    touching[one[own] % count, other[own] % count] = True
     np.fill_diagonal(touching, False)
     return touching
 

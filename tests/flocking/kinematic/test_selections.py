@@ -207,7 +207,7 @@ class TestAnyMembers:
                     moved, selection.select(steps, moved)
                 )
 
-    @pytest.mark.parametrize(("first", "second"), itertools.permutations(TEXTS, 2))
+    @pytest.mark.parametrize(("first", "second"), list(itertools.permutations(TEXTS, 2)))
     def test_in_succession_the_second_sees_what_the_first_has_kept(self, first: str, second: str) -> None:
         members = everyone_of(20, np.random.default_rng(1))
         once = kept(first, members)
