@@ -27,7 +27,12 @@ KEY_MEASURES = ("links", "links_foretold", "links_broken", "link_precision", "li
 def base(repeat: int) -> Trial:
     """A lattice in unbounded space."""
     return trial(
-        "link-tension-beyond", repeat, [group("akama-naruse", 100)], world="unbounded", formation="velocity-variation"
+        "link-tension-beyond",
+        repeat,
+        [group("akama-naruse", 100)],
+        world="unbounded",
+        formation="velocity-variation",
+        keeps_way=False,
     )
 
 

@@ -137,18 +137,18 @@ def _longer(
 ) -> Iterator[tuple[float, np.ndarray, np.ndarray]]:
     """For each horizon within the trial: which links (L,) are longer than the range then, and which ever were."""
     ever = np.zeros(len(links), np.bool_)
-    held = max(1, MOST_HELD // max(1, len(links)))
-    done = first
+    done, limit = first, given.range_m**2
     for horizon in HORIZONS:
         last = first + max(1, round(horizon * given.unit_s / dt))
         if last >= len(positions):
             return
-        while done < last:
-            end = min(last, done + held)
-            some = positions[done + 1 : end + 1]
-            gaps = shortest(some[:, links[:, 1]] - some[:, links[:, 0]], period_m)
-            ever |= (np.hypot(gaps[..., 0], gaps[..., 1]) > given.range_m).any(axis=0)
-            done = end
+        x, y = np.ascontiguousarray(positions[done + 1 : last + 1].transpose(2, 1, 0))
+        held = max(1, MOST_HELD // (last - done))
+        for some in np.array_split(np.arange(len(links)), -(-len(links) // held) or 1):
+            pairs = links[some].T
+            across, up = (shortest(axis[pairs[1]] - axis[pairs[0]], period_m) for axis in (x, y))
+            ever[some] |= (across * across + up * up > limit).any(axis=1)
+        done = last
         apart = link_lengths(positions[last], links, period_m) > given.range_m
         yield horizon, apart, ever.copy()
 
