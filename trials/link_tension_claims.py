@@ -86,7 +86,7 @@ def _questions(cells: Linked, trials: list[Trial]) -> list[Question]:
                         source=f"{SOURCE} table {number} ({part}){READING[reading]}",
                         quantity=f"table {number} ({part}), {reading}",
                         words=", ".join(f"{name.replace('_', ' ')} {value}" for name, value in counted.items()),
-                        test=f"each count within the 95 % prediction interval of one more seed, ±{WIDEST:g} links at most",
+                        test=f"each count in the 95 % prediction interval of one more seed, ±{WIDEST:g} links at most",
                         outcomes=partial(_table, cells, reading, PERIODS[period], counted),
                     )
                 )
