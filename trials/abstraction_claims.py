@@ -24,7 +24,7 @@ from trials.abstraction_design import (
     selection,
 )
 from trials.claims import Cells, Entry, Run, UndecidedError, arms, undecided
-from trials.law_judges import Cell, alike, better, verdict
+from trials.law_judges import Cell, alike, better, both, verdict
 from trials.law_survey import LAW
 
 SOURCE = "fine2015, section 4"
@@ -65,14 +65,12 @@ def laws_of(cells: Cells) -> list[str]:
 def kept(cells: Cells, law: str) -> list[Kept]:
     """What becomes of a law in each condition that the run has of it. Raises `UndecidedError`."""
     measures, best, control = law_survey.judged_by(law), cell_of(law, ALL_TOLD[0]), control_of(law)
-    found = []
+    spacing_m, found = law_survey.herd_of(law).spacing_m, []
     for told in told_of(cells, law):
         cell = cell_of(law, told)
-        as_before = verdict(alike(cells, measures, cell, best))
-        flocks = verdict(better(cells, measures, cell, control))
-        both = {as_before, flocks}
-        agrees = False if False in both else None if None in both else True
-        found.append(Kept(told, agrees, as_before, flocks))
+        as_before = verdict(alike(cells, measures, cell, best, spacing_m))
+        flocks = verdict(better(cells, measures, cell, control, spacing_m))
+        found.append(Kept(told, both(as_before, flocks), as_before, flocks))
     return found
 
 
@@ -115,8 +113,6 @@ def _entry(cells: Cells, law: str, arm: dict[str, object]) -> Entry:
     if first.flocks is not True:
         told = "with perfect poses it is not shown to be better than random motion in this herd"
         return undecided(SOURCE, quantity, words, told, arm)
-    verdicts = {one.agrees for one in less}
-    agrees = False if False in verdicts else None if None in verdicts else True
     return Entry(
         source=SOURCE,
         quantity=f"{quantity}: shown in {sum(one.agrees is True for one in less)} of {len(less)} conditions, "
@@ -126,7 +122,7 @@ def _entry(cells: Cells, law: str, arm: dict[str, object]) -> Entry:
         low=math.nan,
         high=math.nan,
         n=len(cells.values(law_survey.ORDER, *cell_of(law, ALL_TOLD[0]))),
-        agrees=agrees,
+        agrees=both(*(one.agrees for one in less)),
         test=TEST,
         margin=math.nan,
         arm=arm,

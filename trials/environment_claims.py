@@ -11,10 +11,10 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from trials import statistics
+from trials import law_survey, statistics
 from trials.claims import Cells, Entry, Outcome, Run, UndecidedError, above, arms, undecided
 from trials.environment_design import BUMPER, KEYS, SETTINGS, Setting, bumper_cell, bumper_control, cell
-from trials.law_judges import MARGINS, WORDS, Cell, gain, no_worse, verdict
+from trials.law_judges import MARGINS, WORDS, Cell, both, gain, no_worse, verdict
 from trials.law_survey import CONTROL, LAW, ORDER, SHARE, SPREAD
 
 MEASURES = (SHARE, ORDER, SPREAD)
@@ -64,7 +64,8 @@ def control_of(setting: Setting) -> Cell:
 
 def losses(cells: Cells, law: str, setting: Setting) -> list[Outcome]:
     """That nothing is lost, measure by measure. Raises `UndecidedError`."""
-    return no_worse(cells, MEASURES, cell_of(law, setting), cell_of(law, SETTINGS[0]))
+    spacing_m = law_survey.herd_of(law).spacing_m
+    return no_worse(cells, MEASURES, cell_of(law, setting), cell_of(law, SETTINGS[0]), spacing_m)
 
 
 def _entry(cells: Cells, law: str, arm: dict[str, object]) -> Entry:
@@ -87,7 +88,7 @@ def _entry(cells: Cells, law: str, arm: dict[str, object]) -> Entry:
         low=math.nan,
         high=math.nan,
         n=count,
-        agrees=False if False in kept else None if None in kept else True,
+        agrees=both(*kept),
         test=TEST,
         margin=math.nan,
         arm=arm,
@@ -96,10 +97,10 @@ def _entry(cells: Cells, law: str, arm: dict[str, object]) -> Entry:
 
 def contact(cells: Cells, settings: Sequence[Setting]) -> list[Outcome]:
     """That the bumper's law flocks more than its control by a margin, setting by setting. Raises `UndecidedError`."""
-    found = []
+    spacing_m, found = law_survey.herd_of(BUMPER).spacing_m, []
     for setting in settings:
         for name in MEASURES:
-            values = gain(cells, name, cell_of(BUMPER, setting), control_of(setting))
+            values = gain(cells, name, cell_of(BUMPER, setting), control_of(setting), spacing_m)
             label = f"{setting.words()}: {WORDS[name]}, less random motion"
             found.append(above(label, values, MARGINS[name], MARGINS[name], decides=name in FLOCKING))
     return found

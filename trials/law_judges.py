@@ -1,7 +1,7 @@
 """Whether a law's herd still flocks in one condition: against itself in the best one, and against random motion.
 
-The margins are choices: 0.15 of the largest group's share or of polarization, a quarter of MMD. All tests are on
-differences (MMD: logarithms of ratios) of trials of one repeat, which share their start; every one must hold.
+The margins are choices: 0.15 of the largest group's share or of polarization; of MMD, a quarter of the spacing at the
+herd's start. All tests are on differences of trials of one repeat, which share their start; every one must hold.
 """
 
 from __future__ import annotations
@@ -16,36 +16,45 @@ from trials import statistics
 from trials.claims import Cells, Outcome, UndecidedError, above, more, same
 from trials.law_survey import ORDER, SHARE, SPREAD
 
-MARGINS = {SHARE: 0.15, ORDER: 0.15, SPREAD: math.log(1.25)}
-WORDS = {SHARE: "largest group's share", ORDER: "polarization", SPREAD: "MMD, logarithm of the ratio"}
+MARGINS = {SHARE: 0.15, ORDER: 0.15, SPREAD: 0.25}
+WORDS = {SHARE: "largest group's share", ORDER: "polarization", SPREAD: "MMD in spacings, taken off"}
 Cell = tuple[object, ...]
 
 
-def gain(cells: Cells, measure: str, cell: Cell, other: Cell) -> Floats:
-    """(n,) by how much a herd flocks more in one cell than in the other: a smaller MMD is more."""
-    if measure == SPREAD:
-        return -cells.log_ratio(measure, cell, other)
-    return cells.difference(measure, cell, other)
+def gain(cells: Cells, measure: str, cell: Cell, other: Cell, spacing_m: float) -> Floats:
+    """(n,) by how much a herd flocks more in one cell than in the other: a smaller MMD is more, and is in spacings."""
+    difference = cells.difference(measure, cell, other)
+    return -difference / spacing_m if measure == SPREAD else difference
 
 
-def alike(cells: Cells, measures: Sequence[str], cell: Cell, best: Cell) -> list[Outcome]:
+def alike(cells: Cells, measures: Sequence[str], cell: Cell, best: Cell, spacing_m: float) -> list[Outcome]:
     """That a herd flocks as much in one cell as in the best one, neither less nor more."""
-    return [same(WORDS[name], gain(cells, name, cell, best), MARGINS[name]) for name in measures]
+    return [same(WORDS[name], gain(cells, name, cell, best, spacing_m), MARGINS[name]) for name in measures]
 
 
-def no_worse(cells: Cells, measures: Sequence[str], cell: Cell, best: Cell) -> list[Outcome]:
+def no_worse(cells: Cells, measures: Sequence[str], cell: Cell, best: Cell, spacing_m: float) -> list[Outcome]:
     """That a herd does not flock less than in the best cell by as much as a margin."""
-    return [above(WORDS[name], gain(cells, name, cell, best), -MARGINS[name], MARGINS[name]) for name in measures]
+    return [
+        above(WORDS[name], gain(cells, name, cell, best, spacing_m), -MARGINS[name], MARGINS[name]) for name in measures
+    ]
 
 
-def better(cells: Cells, measures: Sequence[str], cell: Cell, control: Cell) -> list[Outcome]:
+def better(cells: Cells, measures: Sequence[str], cell: Cell, control: Cell, spacing_m: float) -> list[Outcome]:
     """That a herd flocks more than its control."""
-    return [more(f"{WORDS[name]}, against random motion", gain(cells, name, cell, control), 0.0) for name in measures]
+    return [
+        more(f"{WORDS[name]}, against random motion", gain(cells, name, cell, control, spacing_m), 0.0)
+        for name in measures
+    ]
 
 
 def verdict(outcomes: Sequence[Outcome]) -> bool | None:
     """Of all outcomes, each of which must hold."""
     return statistics.all_hold([outcome.decision for outcome in outcomes])
+
+
+def both(*verdicts: bool | None) -> bool | None:
+    """Of several claims at once."""
+    return False if False in verdicts else None if None in verdicts else True
 
 
 def mean_of(cells: Cells, measure: str, cell: Cell) -> float:
