@@ -266,6 +266,8 @@ def answered(question: Question, cells: Cells, arm: Mapping[str, Any]) -> Entry:
     cells.begin()
     try:
         outcomes = list(question.outcomes())
+        if not any(outcome.decides for outcome in outcomes):
+            raise UndecidedError("the run has no trials that decide it")
     except UndecidedError as why:
         return undecided(question.source, question.quantity, question.words, str(why), arm)
     agrees, shown = decided_by_all(outcomes)

@@ -21,6 +21,7 @@ def figures(run: Run, folder: Path) -> list[Figure]:
             cell = {"formation": formation, "herd.law": law, "herd.selection": selection}
             panels.append((f"{law}\n{formation}, {name}", first_result(run, cell)))
     caption = (
-        "Blue: where members start; green: where they end; the first trial of each cell. As figure 4.5 of Fine 2015."
+        "Blue: where members start; green: where they end; the first trial of each variation, from a single group at "
+        "range 3000 and a split one at range 3. As figure 4.5 of Fine 2015."
     )
     return [draw.save(ways(panels), folder, "ways", "Ways", caption, dots=True)]

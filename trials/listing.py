@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import importlib.util
+import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -94,9 +95,14 @@ def _functions(kind: str) -> dict[str, str]:
     return {name: _opening(thing.__doc__ or "") for name, thing in documented.items()}
 
 
+def _sentence(paragraph: str) -> str:
+    """The first sentence of a paragraph, without its full stop: that of "et al." ends none."""
+    return re.split(r"(?<!et al)\. ", paragraph, maxsplit=1)[0].rstrip(".")
+
+
 def _opening(docstring: str) -> str:
     """Its first sentence, without the last full stop."""
-    return " ".join(docstring.partition("\n\n")[0].split()).partition(". ")[0].rstrip(".")
+    return _sentence(" ".join(docstring.partition("\n\n")[0].split()))
 
 
 def _first_sentence(module: str) -> str:

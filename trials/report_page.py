@@ -21,7 +21,7 @@ from trials.summary import Cell, cells, key_measures, mean, named
 
 PAGE = "report.html"
 CLASSES = {True: "holds", False: "fails", None: "open"}
-TOLD = ("command", "seed", "repeats", "started", "commit", "cpu", "system")
+TOLD = ("command", "only", "seed", "repeats", "started", "commit", "cpu", "system")
 """What of run.json stands at the page's head, beside the versions."""
 
 

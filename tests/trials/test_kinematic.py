@@ -234,6 +234,13 @@ class TestKeys:
         with pytest.raises(InputError, match=expected):
             simulations.put(straight(), key, value)
 
+    def test_sets_named_side_by_side_are_checked_with_the_law(self) -> None:
+        couzin = simulations.put(straight(), "herd.law", "couzin")
+        text = "repulsion: nearest; interaction: distance-based(1, 3)"
+        simulations.check(simulations.put(couzin, "herd.selection", text))
+        with pytest.raises(InputError, match="did you mean repulsion"):
+            simulations.check(simulations.put(couzin, "herd.selection", text.replace("repulsion", "repulsoin")))
+
     def test_a_law_that_needs_more_than_bearings_is_refused_them(self) -> None:
         with pytest.raises(InputError, match=r"vicsek.*headings.*information=poses"):
             simulations.check(simulations.put(straight(), "herd.information", "bearings"))

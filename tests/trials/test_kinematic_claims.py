@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from typing import Any
+from pathlib import Path
+from typing import Any, ClassVar
 
 import numpy as np
 import pytest
@@ -164,3 +165,15 @@ class TestPublished:
         figure, made = published("couzin2005", "figure_1"), design.plan("couzin-leaders")
         assert made.conditions["herd.count"] == figure["group_sizes"]
         assert {row.key: row.value for row in made.parameters}["herd.law.omega"] == figure["weight"]
+
+
+@pytest.mark.parametrize("name", ["vicsek-transition", "couzin-leaders", "hamilton-1971", "lch-table-4-1"])
+def test_a_run_that_holds_next_to_nothing_leaves_its_claims_undecided(name: str, tmp_path: Path) -> None:
+    class Nothing:
+        folder = tmp_path
+        trials: ClassVar = design.plan(name, repeats=1).trials[:2]
+
+        def rows(self) -> list[Any]:
+            return []
+
+    assert {entry.agrees for entry in design.load(name).claims(Nothing())} == {None}

@@ -65,7 +65,7 @@ def _put_group(trial: Trial, group: Group, key: str, parts: list[str], value: An
     field = parts[0]
     if len(parts) == 1 and field in names:
         value = checked(key, value, names[field])
-        if field == "selection":
+        if field == "selection" and ":" not in value:  # named sets are the law's: checked with it
             selection.parse(value)
         if field != "law":
             return dataclasses.replace(group, **{field: value})
