@@ -62,7 +62,7 @@ law = numba.njit(_module.law, boundscheck={boundscheck}, _nrt={allocates})
 Parameters = _module.Parameters
 
 
-@numba.njit({signature!r}, cache=True, boundscheck={boundscheck}, _nrt={allocates})
+@numba.njit({signature!r}, cache={cached}, boundscheck={boundscheck}, _nrt={allocates})
 def entry(own, positions, bearings, headings, velocities, ids, sets, obstacles, parameters, memory, u, motion):
     decided = law(
         Own(own[0:2], own[2], own[3], own[4:6], (own[6] > 0.5, own[7] > 0.5), own[8], int(own[9]), int(own[10])),
@@ -310,6 +310,7 @@ def _entry(module: ModuleType, path: Path, values: str, boundscheck: bool, alloc
         values=values,
         boundscheck=boundscheck,
         allocates=allocates,
+        cached=not _foreign(module),
     )
     digest = hashlib.sha256((text + path.read_text(encoding="utf-8")).encode()).hexdigest()[:16]
     entry_path = _written(f"entry_{path.stem}_{digest}", text)
@@ -321,6 +322,16 @@ def _entry(module: ModuleType, path: Path, values: str, boundscheck: bool, alloc
     spec.loader.exec_module(generated)
     entry: Callable[..., None] = generated.entry
     return entry
+
+
+def _foreign(module: ModuleType) -> bool:
+    """Whether a law's module uses a helper from a file of the user's own: what is kept would not see its edits."""
+    for value in vars(module).values():
+        name = value.__name__ if isinstance(value, ModuleType) else getattr(value, "__module__", None)
+        top = str(name or "builtins").partition(".")[0]
+        if name != module.__name__ and top not in {"flocking", "numpy", "numba"} and top not in sys.stdlib_module_names:
+            return True
+    return False
 
 
 def _written(stem: str, text: str) -> Path:
