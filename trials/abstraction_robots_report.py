@@ -29,8 +29,8 @@ LAWS = (*VARIATIONS, "extended-hamilton", "snn", "couzin")
 SOURCE = "fine2015, section 4"
 WORDS = "what members are told does not change what the group does"
 TEST = (
-    "in each condition every measure equivalent to the same rule with poses from global knowledge (two one-sided tests, "
-    "paired) and better than random motion (t test, paired); the number is the share for which that is shown"
+    "in each condition every measure equivalent to the same rule with poses from global knowledge (two one-sided "
+    "tests, paired) and better than random motion (t test, paired); the number is the share for which that is shown"
 )
 
 
