@@ -15,9 +15,11 @@ EXPERIMENTS = design.experiment_names()
 
 @pytest.mark.parametrize("name", EXPERIMENTS)
 class TestEveryExperiment:
-    def test_its_plan_is_a_full_factorial_design(self, name: str) -> None:
+    def test_its_plan_is_a_full_factorial_design_unless_it_names_its_cells(self, name: str) -> None:
         plan = design.plan(name, repeats=2)
         cells = math.prod(len(values) for values in plan.conditions.values())
+        if hasattr(design.load(name), "cells"):
+            cells = len(design.load(name).cells(plan.conditions))
         assert len(plan.trials) == 2 * cells
         assert [trial.index for trial in plan.trials] == list(range(1, 2 * cells + 1))
         assert all(trial.experiment == name for trial in plan.trials)
