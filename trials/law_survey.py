@@ -133,7 +133,7 @@ def finished(trial: Trial, length: Length, **of_group: Value) -> Trial:
 
 def wanted_laws(conditions: Mapping[str, Sequence[Any]]) -> list[str]:
     """The laws of a run's conditions; `InputError` for one that does not take part."""
-    found = [str(name).replace("_", "-") for name in conditions[LAW]]
+    found = [name if lawentry.is_path(name) else name.replace("_", "-") for name in map(str, conditions[LAW])]
     for name in found:
         if not lawentry.is_path(name) and (why := why_not(name)):
             raise InputError(f"law {name!r} {why}: it has no part in this experiment")

@@ -1,0 +1,32 @@
+"""Made-up runs of the experiments over all laws: the plan's own trials, with measures that a test lays down."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+import numpy as np
+
+from tests.trials.made_up_run import MadeUpRow, MadeUpRun
+from trials.design import plan
+from trials.types import Trial
+
+NOISE = 1e-3
+"""Standard deviation from repeat to repeat: far below every margin."""
+
+
+def made_up(experiment: str, measures: Callable[[Trial], Mapping[str, float]], **asked: object) -> MadeUpRun:
+    """A finished run of an experiment with three repeats."""
+    trials = plan(experiment, repeats=3, settings=asked).trials
+    rng = np.random.default_rng(4)
+    rows = [
+        MadeUpRow(
+            trial.index,
+            "done",
+            "",
+            trial.repeat,
+            trial.conditions,
+            {name: value + NOISE * rng.normal() for name, value in measures(trial).items()},
+        )
+        for trial in trials
+    ]
+    return MadeUpRun(trials, rows)
