@@ -75,7 +75,7 @@ def compiled(function: Callable[..., Any]) -> Any:
 
 
 def borrowing(function: Callable[..., Any]) -> Any:
-    """The same for inner loops that allocate nothing: no references are counted, which would cost them most.
+    """The same for inner loops that allocate nothing: no references are counted.
 
     What such a function calls is compiled likewise, but for what is `allocating`.
     """

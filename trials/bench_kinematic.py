@@ -1,4 +1,4 @@
-"""`herd bench`, the kinematic herd: steps a second, growth with the herd, against plain NumPy, a whole command."""
+"""`herd bench`, the kinematic herd: steps a second, growth with the herd, against plain Python, a whole command."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ NEIGHBOURS = 8.0
 STEPS = 100
 """Steps of a run are 30 to 1000: large herds do fewer."""
 SMALL = 50
-"""Members of the herd that is held against plain NumPy."""
+"""Members of the herd that is held against plain Python."""
 
 
 def _boids(count: int) -> tuple[Band, Floats, float]:
@@ -72,7 +72,7 @@ def _plain_seconds() -> float:
 
 
 def measured(repeated: Callable[..., tuple[float, ...]]) -> dict[str, tuple[float, ...]]:
-    """The runs of each figure: steps a second by size, exponent of growth, times plain NumPy."""
+    """The runs of each figure: steps a second by size, exponent of growth, times plain Python."""
     found: dict[str, tuple[float, ...]] = {}
     costs = {
         count: repeated(_step_seconds, count, max(2, min(10 * STEPS, 3 * STEPS * 10_000 // count))) for count in SIZES

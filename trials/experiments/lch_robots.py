@@ -7,6 +7,7 @@ laws' values for Creates. A robot that sees nobody keeps its direction.
 
 from __future__ import annotations
 
+from flocking.parameters import Parameter
 from trials.lch_figures import VARIATIONS
 from trials.lch_robots_claims import KEYS, claims
 from trials.lch_robots_figures import figures
@@ -16,6 +17,13 @@ REPEATS = 10
 RECORD = "first"
 (LAW,) = KEYS
 CONDITIONS = {LAW: VARIATIONS}
+SOURCES = {
+    "world": Parameter("", "Fine 2015, section 4.2: free of obstacles, as good as infinite", published=True),
+    "formation": Parameter("", "Fine 2015, section 4.2, drawn in figure 2.5 without numbers", published=True),
+    "herd.count": Parameter("robots", "Fine 2015, section 4.2", published=True),
+    "herd.law": Parameter("", "Fine 2015, section 4.1: the four variations", published=True),
+    "herd.pipeline": Parameter("", "a choice: section 4.2 does not say which"),
+}
 KEY_MEASURES = (
     "mmd",
     "polarization",
@@ -42,4 +50,4 @@ def base(repeat: int) -> Trial:
     )
 
 
-__all__ = ["CONDITIONS", "KEY_MEASURES", "RECORD", "REPEATS", "base", "claims", "figures"]
+__all__ = ["CONDITIONS", "KEY_MEASURES", "RECORD", "REPEATS", "SOURCES", "base", "claims", "figures"]
