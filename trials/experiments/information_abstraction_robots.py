@@ -7,6 +7,7 @@ variations that read nothing else; the group's view of the other laws is a selec
 
 from __future__ import annotations
 
+from flocking.parameters import Parameter
 from trials.abstraction_robots_report import (
     CONTROL,
     DETAIL,
@@ -26,6 +27,13 @@ REPEATS = 10
 RECORD = "first"
 CONDITIONS = {LAW: LAWS, DETAIL: (MEMBER_CENTRIC, GROUP_CENTRIC), DETECTION: DETECTIONS}
 KEY_MEASURES = ("largest_share", "mmd", "polarization", "none_share")
+SOURCES = {
+    "world": Parameter("", "a choice: as in section 4.2 of Fine 2015"),
+    "formation": Parameter("", "a choice: as in section 4.2 of Fine 2015"),
+    "herd.count": Parameter("robots", "a choice"),
+    "herd.law": Parameter("", "a choice: laws that run on what a laser gives"),
+    "herd.pipeline": Parameter("", "Fine 2015, section 2.2, and global knowledge"),
+}
 
 
 def base(repeat: int) -> Trial:
@@ -42,4 +50,4 @@ def base(repeat: int) -> Trial:
     )
 
 
-__all__ = ["CONDITIONS", "KEY_MEASURES", "RECORD", "REPEATS", "base", "cells", "claims", "figures"]
+__all__ = ["CONDITIONS", "KEY_MEASURES", "RECORD", "REPEATS", "SOURCES", "base", "cells", "claims", "figures"]
