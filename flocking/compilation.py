@@ -42,7 +42,7 @@ def cache_folder() -> Path:
     """
     digest = sources_digest()
     named = os.environ.get(CACHE_VARIABLE)
-    if named is not None:
+    if named:
         if not _writable(Path(named) / digest):
             raise InputError(f"{CACHE_VARIABLE} = {named!r} cannot be written; expected a folder for compiled code")
         return Path(named) / digest

@@ -10,16 +10,30 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Sequence
+from enum import IntEnum
 from typing import NamedTuple
 
+import numpy as np
+
 from flocking import avoidance
+from flocking.compilation import borrowing
 from flocking.errors import InputError, unknown_name
-from flocking.types import Bools, Obstacles
+from flocking.geometry import before
+from flocking.types import Bools, Floats, Ints, Obstacles
+
+
+class Step(IntEnum):
+    """The functions, as the compiled code tells them apart."""
+
+    NEAREST = 0
+    WITHIN = 1
+    AHEAD = 2
 
 
 class Function(NamedTuple):
     """What a name stands for."""
 
+    step: Step
     function: Callable[..., Bools]
     arguments: int
     high: float
@@ -32,9 +46,9 @@ def _ahead(obstacles: Obstacles, width_deg: float) -> Bools:
 
 
 OBSTACLE_SELECTIONS = {
-    "nearest": Function(avoidance.nearest, 0, 0.0),
-    "within": Function(avoidance.within, 1, math.inf),
-    "ahead": Function(_ahead, 1, 360.0),
+    "nearest": Function(Step.NEAREST, avoidance.nearest, 0, 0.0),
+    "within": Function(Step.WITHIN, avoidance.within, 1, math.inf),
+    "ahead": Function(Step.AHEAD, _ahead, 1, 360.0),
 }
 """Beside `all`, which keeps everything."""
 
@@ -52,7 +66,7 @@ def parse(text: str) -> Steps:
         name = match.group(1)
         if name != "all" and name not in OBSTACLE_SELECTIONS:
             raise unknown_name("obstacle selection", name, ["all", *OBSTACLE_SELECTIONS])
-        about = OBSTACLE_SELECTIONS.get(name, Function(avoidance.nearest, 0, 0.0))
+        about = OBSTACLE_SELECTIONS.get(name, OBSTACLE_SELECTIONS["nearest"])
         pieces = [piece.strip() for piece in (match.group(2) or "").split(",") if piece.strip()]
         try:
             given = tuple(map(float, pieces))
@@ -72,3 +86,38 @@ def select(steps: Sequence[tuple[Function, tuple[float, ...]]], obstacles: Obsta
     for about, given in steps:
         obstacles = Obstacles(obstacles.points[about.function(obstacles, *given)])
     return obstacles
+
+
+def program(steps: Steps) -> tuple[Ints, Floats]:
+    """The steps (K,) and their numbers (K,), nan where none, as the kinematic herd's compiled code takes them."""
+    return (
+        np.array([about.step for about, _ in steps], dtype=np.int64),
+        np.array([given[0] if given else math.nan for _, given in steps], dtype=np.float64),
+    )
+
+
+@borrowing
+def keep_selected(steps: Ints, given: Floats, points: Floats, count: int) -> int:
+    """`select` in place, for the first `count` of `points`: those kept come first; returns their number."""
+    for s in range(len(steps)):
+        kept = 0
+        if steps[s] == Step.NEAREST:
+            best = 0
+            for k in range(1, count):
+                if before(points, k, best):
+                    best = k
+            if count > 0:
+                points[0, 0], points[0, 1] = points[best, 0], points[best, 1]
+                kept = 1
+        else:
+            for k in range(count):
+                x, y = points[k, 0], points[k, 1]
+                if steps[s] == Step.WITHIN:
+                    keeps = math.hypot(x, y) < given[s]
+                else:
+                    keeps = abs(math.atan2(y, x)) < math.radians(given[s]) / 2.0
+                if keeps:
+                    points[kept, 0], points[kept, 1] = x, y
+                    kept += 1
+        count = kept
+    return count

@@ -22,7 +22,7 @@ from typing import Protocol
 from pebble import ProcessExpired, ProcessPool
 
 from flocking.errors import InputError
-from trials import worker
+from trials import watch, worker
 from trials.store import DIED, Row, StorageError, Store
 from trials.types import Trial
 from trials.worker import Job, WorkerOutput
@@ -155,13 +155,18 @@ def _output(future: Future[WorkerOutput], trial: Trial) -> WorkerOutput:
     if isinstance(error, StorageError):
         raise error
     if isinstance(error, TimeoutError):
-        laws = " or ".join(dict.fromkeys(repr(group.law) for group in trial.groups))
-        return WorkerOutput("failed", f"did not end within {error.args[1]:g} s of wall time; law {laws} may not return")
+        return WorkerOutput("failed", f"did not end within {error.args[1]:g} s of wall time; {_laws(trial)} is slow")
     if isinstance(error, ProcessExpired):
         code = error.exitcode
+        if code == -signal.SIGALRM:
+            return WorkerOutput("failed", f"{_laws(trial)} did not return within {watch.STEP_LIMIT_S:g} s of wall time")
         how = signal.Signals(-code).name if code < 0 else f"exit code {code}"
         return WorkerOutput("failed", f"{DIED} ({how})")
     return WorkerOutput("failed", worker.told(error))
+
+
+def _laws(trial: Trial) -> str:
+    return "law " + " or ".join(dict.fromkeys(repr(group.law) for group in trial.groups))
 
 
 def _keep(store: Store, trial: Trial, output: WorkerOutput) -> Row:

@@ -279,7 +279,10 @@ def start_up() -> list[Figure]:
 
 
 def kinematic_herd() -> list[Figure]:
-    """Boids in the open, short range, on one core; against the law as written, in plain Python, member by member."""
+    """Boids in the open, short range, on one core; against the law without a compiler, member by member.
+
+    That is in arrays of all other members, and by the law's own function as it is written.
+    """
     found = bench_kinematic.measured(_repeated)
     targets = {"10,000 boids": 100.0}
     figures = [
@@ -288,7 +291,9 @@ def kinematic_herd() -> list[Figure]:
     most, least = max(bench_kinematic.SIZES), min(bench_kinematic.SIZES)
     growth_name = f"cost of a step, {least:,} to {most:,} boids"
     figures.append(Figure(growth_name, "exponent", found["exponent"], 1.15, at_least=False))
-    figures.append(Figure(f"{bench_kinematic.SMALL} boids against plain Python", "x faster", found["plain"], 200.0))
+    small = f"{bench_kinematic.SMALL} boids against"
+    figures.append(Figure(f"{small} NumPy, member by member", "x faster", found["numpy"], 200.0))
+    figures.append(Figure(f"{small} the law not compiled", "x faster", found["plain"], math.nan))
     return figures
 
 

@@ -1,4 +1,4 @@
-"""`herd bench`, the kinematic herd: steps a second, growth with the herd, against plain Python, a whole command."""
+"""`herd bench`, the kinematic herd: steps a second, growth with the herd, against NumPy, a whole command."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import tempfile
 from collections.abc import Callable
 from pathlib import Path
 from time import perf_counter
+from typing import Any
 
 import numpy as np
 
@@ -24,7 +25,7 @@ NEIGHBOURS = 8.0
 STEPS = 100
 """Steps of a run are 30 to 1000: large herds do fewer."""
 SMALL = 50
-"""Members of the herd that is held against plain Python."""
+"""Members of the herd that is held against the same law without a compiler."""
 
 
 def _boids(count: int) -> tuple[Band, Floats, float]:
@@ -52,23 +53,65 @@ def _step_seconds(count: int, steps: int) -> float:
     return (perf_counter() - started) / steps
 
 
-def _plain_seconds() -> float:
-    """Wall time of one step of the small flock, member by member in plain Python and NumPy."""
+def small_flock() -> tuple[Band, Bodies, float]:
+    """The small flock, its state at the start and its time step."""
     band, poses, dt = _boids(SMALL)
     velocities = band.law.herd.speed_m_s * np.column_stack([np.cos(poses[:, 2]), np.sin(poses[:, 2])])
+    none = np.zeros((SMALL, 0))
     state = Bodies(
-        poses[:, :2].copy(),
-        poses[:, 2].copy(),
-        velocities,
-        np.zeros(SMALL),
-        np.zeros((SMALL, 2), bool),
-        np.zeros((SMALL, 0)),
+        poses[:, :2].copy(), poses[:, 2].copy(), velocities, np.zeros(SMALL), np.zeros((SMALL, 2), bool), none
     )
+    return band, state, dt
+
+
+def _plain_seconds() -> float:
+    """Wall time of one step of the small flock, member by member by the law's own function, not compiled."""
+    band, state, dt = small_flock()
     draws = np.zeros((SMALL, band.law.draws))
     started = perf_counter()
     for _ in range(3):
         state = plain.step([band], state, [draws], dt)
     return (perf_counter() - started) / 3
+
+
+def _numpy_seconds() -> float:
+    """Wall time of one step of the small flock, member by member in arrays of all others."""
+    band, state, dt = small_flock()
+    parameters = band.law.parameters({})
+    started = perf_counter()
+    for _ in range(20):
+        state = numpy_step(state, parameters, dt)
+    return (perf_counter() - started) / 20
+
+
+def numpy_step(before: Bodies, p: Any, dt: float) -> Bodies:
+    """One step of boids with the law's parameters `p`, each member in turn, written with NumPy's arrays."""
+    after = Bodies._make(array.copy() for array in before)
+    noses = np.column_stack([np.cos(before.headings), np.sin(before.headings)])
+    for i, own in enumerate(before.velocities):
+        offsets = np.delete(before.positions, i, axis=0) - before.positions[i]
+        others = np.delete(noses, i, axis=0)
+        distances = np.linalg.norm(offsets, axis=1)
+        cosines = offsets @ noses[i]
+        urges = np.zeros((3, 2))
+        near = (distances < p.separation_m) & (cosines > distances * math.cos(math.radians(p.separation_angle_deg)))
+        urges[0] = -(offsets[near] / distances[near, None] ** 2).sum(axis=0)
+        near = (distances < p.alignment_m) & (cosines > distances * math.cos(math.radians(p.alignment_angle_deg)))
+        if near.any():
+            urges[1] = others[near].mean(axis=0) - noses[i]
+        near = (distances < p.cohesion_m) & (cosines > distances * math.cos(math.radians(p.cohesion_angle_deg)))
+        if near.any():
+            urges[2] = offsets[near].mean(axis=0)
+        lengths = np.linalg.norm(urges, axis=1)
+        urges[lengths > 0.0] /= lengths[lengths > 0.0, None]
+        force = np.array([p.separation_weight, p.alignment_weight, p.cohesion_weight]) @ urges
+        force *= min(1.0, p.top_force_m_s2 / max(float(np.linalg.norm(force)), 1e-300))
+        velocity = own + force * dt
+        velocity *= min(1.0, p.top_speed_m_s / max(float(np.linalg.norm(velocity)), 1e-300))
+        after.velocities[i] = velocity
+        after.positions[i] += velocity * dt
+        after.headings[i] = math.atan2(velocity[1], velocity[0])
+    return after
 
 
 def measured(repeated: Callable[..., tuple[float, ...]]) -> dict[str, tuple[float, ...]]:
@@ -82,8 +125,8 @@ def measured(repeated: Callable[..., tuple[float, ...]]) -> dict[str, tuple[floa
     logs = np.log(np.array([costs[count] for count in SIZES]))
     found["exponent"] = tuple(np.polyfit(np.log(SIZES), logs, 1)[0].tolist())
     small = repeated(_step_seconds, SMALL, 2000)
-    slow = repeated(_plain_seconds)
-    found["plain"] = tuple(p / s for p, s in zip(slow, small, strict=True))
+    for way, cost in (("plain", _plain_seconds), ("numpy", _numpy_seconds)):
+        found[way] = tuple(p / s for p, s in zip(repeated(cost), small, strict=True))
     return found
 
 

@@ -198,11 +198,23 @@ def more(label: str, values: Floats, margin: float, threshold: float = 0.0, deci
     return Outcome(label, statistics.exceeds(values, threshold, margin), "exceeds", threshold, margin, decides)
 
 
-def above(label: str, values: Floats, threshold: float, scale: float, decides: bool = True) -> Outcome:
-    """The outcome that values lie above a threshold: not below it. `scale` is the margin shown."""
+def above(
+    label: str,
+    values: Floats,
+    threshold: float,
+    scale: float,
+    decides: bool = True,
+    bounds: tuple[float, float] = (-math.inf, math.inf),
+) -> Outcome:
+    """The outcome that values lie above a threshold: not below it. `scale` is the margin shown.
+
+    `bounds`: between which values can lie at all; the interval shown ends there.
+    """
+    decision = statistics.exceeds(values, threshold)
+    shown = decision._replace(low=max(decision.low, bounds[0]), high=min(decision.high, bounds[1]))
     return Outcome(
         f"{label}, to lie above {threshold:g}",
-        statistics.exceeds(values, threshold),
+        shown,
         "exceeds",
         threshold,
         scale,

@@ -81,7 +81,11 @@ def laws(
     """
     from trials import lawtables
 
-    print(lawtables.printed(lawtables.tables()) if name is None else lawtables.one_law(name))
+    if name is not None:
+        print(lawtables.one_law(name))
+        return
+    *drawn, told = lawtables.tables()
+    print(lawtables.printed(drawn, told))
 
 
 @app.command()

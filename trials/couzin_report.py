@@ -6,8 +6,10 @@ informed want, 0 on average without them. The share is that which whole members 
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -17,7 +19,7 @@ from trials.figures import Figure
 from trials.kinematic.figures import Curve, curve_of, curves
 from trials.statistics import slopes
 
-COUNT, SHARE = "herd.count", "herd.informed_share"
+COUNT, SHARE, SPEED = "herd.count", "herd.informed_share", "herd.law.speed_m_s"
 KEYS = (COUNT, SHARE)
 MEASURE = "goal_alignment"
 MARGIN = 0.02
@@ -77,12 +79,23 @@ def _sizes(cells: Cells) -> list[Outcome]:
 
 def figures(run: Run, folder: Path) -> list[Figure]:
     """Accuracy against the true share of informed members, a line for each size."""
-    lines = []
-    for count in sorted({int(trial.conditions[COUNT]) for trial in run.trials if COUNT in trial.conditions}):
-        curve = curve_of(run, MEASURE, SHARE, f"N {count}", {COUNT: count})
-        some = [(x, values) for x, values in zip(curve.x, curve.values, strict=True) if _informed(count, x)]
-        shares = [_informed(count, x) / count for x, _ in some]
-        lines.append(Curve(curve.label, shares, [values for _, values in some]))
-    canvas = curves({"accuracy": lines}, "share of informed members", bounds=(-0.6, 1.02))
-    caption = "Mean over the repeats with its 95 % interval. As figure 1 of Couzin et al. 2005."
+    panels = {}
+    for arm, trials in arms(run, KEYS):
+        name = ", ".join(["accuracy", *(f"{key.rsplit('.', 1)[-1]} {value}" for key, value in arm.items())])
+        panels[name] = [
+            _curve(run, count, arm)
+            for count in sorted({int(trial.conditions[COUNT]) for trial in trials if COUNT in trial.conditions})
+        ]
+    canvas = curves(panels, "share of informed members", bounds=(-0.6, 1.02))
+    caption = (
+        "Mean over the repeats with its 95 % interval, at the shares that whole members make. As figure 1 of "
+        "Couzin et al. 2005; the speed is a choice, and decides."
+    )
     return [draw.save(canvas, folder, "accuracy", "Accuracy against the share of informed members", caption)]
+
+
+def _curve(run: Run, count: int, arm: Mapping[str, Any]) -> Curve:
+    """Accuracy of groups of one size where somebody is informed: of ten members, 2 and 5 % are nobody."""
+    curve = curve_of(run, MEASURE, SHARE, f"N {count}", {COUNT: count, **arm})
+    some = {x: values for x, values in zip(curve.x, curve.values, strict=True) if _informed(count, x)}
+    return Curve(curve.label, [_informed(count, x) / count for x in some], list(some.values()))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from dataclasses import dataclass
 from functools import cache
@@ -18,7 +19,7 @@ from flocking.types import Floats
 from robots import create
 from sensing import association, laser
 from sensing.types import PipelineState, WorldTruth
-from trials import information
+from trials import information, spread
 from trials.knowledge import Knowledge
 from trials.log import SAMPLE_S
 from trials.obstacle_stage import ObstacleStage
@@ -167,6 +168,12 @@ def _robot(
         return stream(trial.seed, trial.repeat, group_number + 1, member, purpose)
 
     group, law, wanted = mind.group, mind.law, mind.wanted
+    law_parameters, selections = mind.law_parameters, mind.selections
+    if group.spread:
+        usual = information.parameters_of(group)._asdict()
+        own = dataclasses.replace(group, law_parameters=spread.parameters(trial, group_number, member, usual))
+        law_parameters = np.array(information.parameters_of(own), dtype=np.float64)
+        selections = information.selections(own)
     period, latency = clock(group, trial.timestep_s)
     phase = int(draw(Purpose.PHASE).random() * period) if group.phase == "random" else 0
     pipeline = found.load(PIPELINE, group.pipeline, "pipeline")
@@ -182,9 +189,9 @@ def _robot(
         next_tick=phase,
         pipeline=pipeline,
         pipeline_state=_pipeline_state(group),
-        selections=mind.selections,
+        selections=selections,
         law=law,
-        law_parameters=mind.law_parameters,
+        law_parameters=law_parameters,
         law_rng=draw(Purpose.LAW),
         range_rng=draw(Purpose.RANGE_NOISE),
         intensity_rng=draw(Purpose.INTENSITY_NOISE),

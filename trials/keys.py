@@ -11,7 +11,7 @@ from flocking.errors import unknown_name
 from flocking.parameters import Parameter, checked, declared
 from robots import create
 from sensing import association, laser
-from trials import information
+from trials import information, spread
 from trials.knowledge import SOURCES
 from trials.obstacle_stage import AS_LAW, AVOID, CHOICES
 from trials.rows import Row, added, rows_of, told
@@ -124,7 +124,7 @@ def rows(trial: Trial, sources: Mapping[str, Parameter] | None = None) -> list[R
     for group in trial.groups:
         name = f"{group.name}."
         found_rows += rows_of(GroupFields, name, vars(group))
-        found_rows += _law_rows(group)
+        found_rows += [*_law_rows(group), *spread.rows(group)]
         pipeline = found.load("sensing.pipelines", group.pipeline, "pipeline")
         found_rows += rows_of(pipeline.Parameters, f"{name}pipeline.", group.pipeline_parameters)
         setting = laser.SETTINGS[group.sensors]._asdict()
@@ -156,6 +156,8 @@ def _put_group(trial: Trial, group: Group, key: str, parts: list[str], value: An
             selection.parse_sets(value, lawentry.sets_of(law), declared(law.Parameters))
         changed = dataclasses.replace(group, **{parts[0]: _named(key, value)})
         return dataclasses.replace(changed, pipeline_parameters={}) if parts[0] == "pipeline" else changed
+    if len(parts) == 2 and parts[0] == "spread":
+        return spread.put(group, key, parts[1], value)
     if len(parts) == 2:
         places = {
             "law": ("law_parameters", lambda: _law_module(group).Parameters),
@@ -179,9 +181,11 @@ def _put_law(group: Group, key: str, value: str) -> Group:
     """Another law, without parameters; a `+` behind its name adds the avoidance of obstacles that all laws share."""
     name = value.removesuffix(AVOIDS)
     if lawentry.is_path(name):
-        group = dataclasses.replace(group, law=name, law_source=lawentry.read_source(name), law_parameters={})
+        group = dataclasses.replace(
+            group, law=name, law_source=lawentry.read_source(name), law_parameters={}, spread={}
+        )
     else:
-        group = dataclasses.replace(group, law=_named(key, name), law_source="", law_parameters={})
+        group = dataclasses.replace(group, law=_named(key, name), law_source="", law_parameters={}, spread={})
     return dataclasses.replace(group, obstacles=AVOID) if value.endswith(AVOIDS) else group
 
 

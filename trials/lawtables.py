@@ -1,12 +1,13 @@
 """`herd laws`: what the laws' files say of their publications, as Fine 2015 tables it, and one law in full.
 
 Completeness (section 3.1) is whether every stage of a law is defined; precision whether what is printed can be right.
-Where a law's file had to fill something in, its row is marked by the stage; the third table says how.
+Where a law's file had to fill something in, its row is marked by the stage; what follows the tables says how.
 """
 
 from __future__ import annotations
 
 import sys
+import textwrap
 from collections import Counter
 from collections.abc import Sequence
 from types import ModuleType
@@ -29,9 +30,11 @@ METHODS = {"M": "mathematical", "S": "simulation", "P": "physical"}
 NONE = "-"
 LEGEND = (
     "open: what the authors left undefined, by stage (S sensing, D member detection, N neighbour selection, "
-    "M motion computation, P physical motion); !: misprints of the document. How each is filled: last table."
+    "M motion computation, P physical motion); !: misprints of the document. How each is filled: below."
 )
 
+PLAIN_WIDTH = 100
+"""Characters of a line where no terminal says."""
 SHORT = {
     "homogeneous": "homo.",
     "heterogeneous": "hetero.",
@@ -167,10 +170,22 @@ def plain(table: Table) -> str:
     return "\n".join([table.title, *text] if table.title else text)
 
 
-def printed(shown: Sequence[Table]) -> str:
-    """Tables for whoever reads standard output: drawn on a terminal, plain elsewhere."""
+def paragraphs(table: Table, width: int) -> str:
+    """A table of long texts: its first column as headings, the rest of each row wrapped beneath them."""
+    lines, before = [table.title], ""
+    for name, stage, left_open, filled in table.rows:
+        if name != before:
+            lines += ["", name]
+            before = name
+        for text, indent in ((f"{stage}: {left_open}", "  "), (f"here: {filled}", "      ")):
+            lines += textwrap.wrap(text, width, initial_indent=indent, subsequent_indent=indent + "  ")
+    return "\n".join(lines)
+
+
+def printed(shown: Sequence[Table], told: Table | None = None) -> str:
+    """Tables for whoever reads standard output, drawn on a terminal and plain elsewhere; `told` in paragraphs."""
     if sys.stdout is None or not sys.stdout.isatty():
-        return "\n\n".join([*map(plain, shown), LEGEND])
+        return "\n\n".join([*map(plain, shown), LEGEND, *([paragraphs(told, PLAIN_WIDTH)] if told else [])])
     from rich import box
     from rich.console import Console
     from rich.table import Table as Drawn
@@ -188,6 +203,8 @@ def printed(shown: Sequence[Table]) -> str:
                 drawn.add_row(*(Text(SHORT.get(cell, cell) if narrow else cell) for cell in row))
             console.print(drawn)
         console.print(Text(LEGEND))
+        if told:
+            console.print(Text(f"\n{paragraphs(told, console.width)}"))
     return capture.get().rstrip("\n")
 
 

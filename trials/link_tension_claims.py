@@ -176,7 +176,7 @@ def _above(
             values = np.array(list(_shares(cells, of, start, (formation, ALPHA, STRENGTH)).values()))
             label = f"share {told}, {formation}, t = {start} to {start + 1}"
             if np.isfinite(values).any():
-                found.append(above(label, values, threshold, scale, decides=formation != BOTH))
+                found.append(above(label, values, threshold, scale, decides=formation != BOTH, bounds=(0.0, 1.0)))
     if not any(outcome.decides for outcome in found):
         raise UndecidedError("the run has no links that were so foretold")
     return found
@@ -196,7 +196,7 @@ def _others_alike(cells: Linked) -> list[Outcome]:
                         differences = np.array([other[r] - usual[r] for r in sorted(other.keys() & usual.keys())])
                         if np.isfinite(differences).sum() < 2:
                             continue
-                        told = f"{formation}, alpha {alpha:g}, {strength:g}, t = {start} to {start + 1}"
+                        told = f"{formation}, alpha {alpha:g}, strength {strength:g}, t = {start} to {start + 1}"
                         label = f"share held of those {name}, {told}"
                         found.append(same(label, differences, ALMOST, decides=formation != BOTH))
     if not any(outcome.decides for outcome in found):

@@ -11,6 +11,7 @@ import numpy as np
 from flocking.errors import InputError
 from flocking.types import Floats
 from sensing.truth import judge
+from trials import watch
 from trials.herd import Herd, assemble
 from trials.log import SAMPLE_S, Log
 from trials.robot import LawError
@@ -42,7 +43,8 @@ def run_trial(trial: Trial, scans: str = "none", reraise: bool = False) -> Trial
     built = perf_counter()
     outcome, reason = "done", ""
     try:
-        run(herd, log, last=round(trial.duration_s / trial.timestep_s))
+        with watch.watched():
+            run(herd, log, last=round(trial.duration_s / trial.timestep_s))
     except Exception as error:
         if reraise:
             raise
@@ -80,6 +82,7 @@ def run(herd: Herd, log: Log, last: int) -> None:
         if tick != poses_tick:
             poses_tick, poses_w = tick, world.fleet.poses(data)
         if what == SAMPLE:
+            watch.breathe()
             _check(herd, poses_w)
             log.sample(data.time, poses_w, world.fleet.odometry, world.fleet.bumpers)
             heapq.heappush(events, (tick + sample_every, SAMPLE, 0, None))

@@ -21,6 +21,7 @@ class Purpose(IntEnum):
     ODOMETRY = 5
     RECORDING = 6
     WORLD = 7
+    PARAMETERS = 8
 
 
 def stream(seed: int, repeat: int, group: int, member: int, purpose: Purpose) -> np.random.Generator:

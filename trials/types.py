@@ -33,6 +33,8 @@ class Group:
     law_source: str = ""
     """Text of the user's own law file: it travels with the trial."""
     law_parameters: Mapping[str, Value] = field(default_factory=dict)
+    spread: Mapping[str, float] = field(default_factory=dict)
+    """Name of a law's parameter → how far members differ in it, as a share of its value (`trials.spread`)."""
     speed_m_s: float = 0.25
     """Cruising speed towards a way-point."""
     rate_hz: float = 10.0

@@ -15,6 +15,7 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any
 
+from trials import watch
 from trials.simulations import PHYSICS, is_kinematic
 from trials.store import StorageError
 from trials.types import Trial, TrialResult
@@ -55,8 +56,9 @@ Job = Callable[[dict[str, Any], str, bool], WorkerOutput]
 
 
 def prepare(fill: Callable[[], None] | None = None) -> None:
-    """At the start of a worker: it dies at once when told to or with its parent; imports what takes long."""
+    """At the start of a worker: it dies at once when told to, with its parent, or by its watch; imports what is big."""
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    watch.arm()
     if sys.platform == "linux":
         ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
     if fill is not None:

@@ -103,6 +103,10 @@ class Stages(NamedTuple):
     """Range of obstacles and of the laser."""
     obstacles: bool
     """Whether the law reads obstacles."""
+    obstacle_steps: Ints
+    """(K,) of the obstacles' selection, as in `flocking.obstacle_selection.program`."""
+    obstacle_given: Floats
+    """(K,)."""
     avoids: bool
     """Whether the shared avoidance is added to the law."""
     virtual: bool
@@ -147,6 +151,8 @@ def example_stages() -> Stages:
         0.0,
         0.0,
         True,
+        np.zeros(1, np.int64),
+        np.zeros(1),
         True,
         True,
         0.0,

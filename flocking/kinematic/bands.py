@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from flocking import avoidance, selection
+from flocking import avoidance, obstacle_selection, selection
 from flocking.errors import InputError
 from flocking.kinematic import detection
 from flocking.kinematic.arrays import BEARINGS, POSES, Place, Stages
@@ -107,6 +107,8 @@ class Band:
     """Radius of the members as the detections other than perfect see them."""
     sight_m: float = math.inf
     """Range of those detections and of obstacles."""
+    obstacle_selection: str = "all"
+    """Which obstacles count (`flocking.obstacle_selection.parse`)."""
     obstacles: str = "as-law"
     """`as-law`; `avoid`: the shared avoidance is added; `virtual-members`: obstacles become members."""
     avoidance: avoidance.Parameters = field(default_factory=avoidance.Parameters)
@@ -164,6 +166,7 @@ class Band:
         perfect = self.detection == "perfect"
         if not perfect:
             reach = min(reach, self.sight_m) + self.silhouette_m
+        obstacle_steps, obstacle_given = obstacle_selection.program(obstacle_selection.parse(self.obstacle_selection))
         read = law.needs | selection.needs(chosen for steps in sets for chosen in steps)
         return Stages(
             *program,
@@ -178,6 +181,8 @@ class Band:
             silhouette=float(self.silhouette_m),
             sight=float(self.sight_m),
             obstacles="obstacles" in law.needs,
+            obstacle_steps=obstacle_steps,
+            obstacle_given=obstacle_given,
             avoids=self.obstacles == "avoid",
             virtual=self.obstacles == "virtual-members",
             virtual_range=float(self.avoidance.virtual_range_m),

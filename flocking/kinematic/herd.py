@@ -9,11 +9,11 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from time import perf_counter
+from types import ModuleType
 
 import numpy as np
 
 from flocking.errors import InputError
-from flocking.kinematic import kernel
 from flocking.kinematic.arrays import Bodies, Limits, Minds
 from flocking.kinematic.bands import Band, Space
 from flocking.perception import Step
@@ -28,8 +28,9 @@ MOST_DRAWS = 4_000_000
 """Random numbers held at a time."""
 MOST_LINKED = 5000
 """Members for which links are kept as a square array."""
-FIRST_LOOKS = 4_000_000
-"""Looks of one member at another in the first piece, when nobody knows yet how long they take: some 0.02 s."""
+FIRST_LOOKS, FIRST_DECISIONS = 4_000_000, 500
+"""Looks of one member at another, and decisions, in the first piece, when nobody knows yet how long they take: of the
+project's laws far below 0.1 s, and half a second of a law that needs a thousand times as long."""
 FASTER = 4
 """By which a piece may be longer than the last one."""
 
@@ -90,10 +91,17 @@ def simulate(
     run = KinematicHerd(bands, poses_w, space or Space(), graph, dt_s, rng)
     run.start(velocities_w, speeds_m_s)
     tracks = np.empty((steps // every + 1, len(run.positions), 5))
-    kernel.record(run.bodies, tracks[0])
+    _kernel().record(run.bodies, tracks[0])
     run.advance(steps, tracks[1:], every, 0, synchronous, said)
     times = np.arange(len(tracks), dtype=np.float64) * (every * dt_s)
     return History(times, tracks[..., :2].copy(), tracks[..., 2].copy(), tracks[..., 3:].copy())
+
+
+def _kernel() -> ModuleType:
+    """The compiled loop. Its import compiles it, which takes a minute where this machine has not done so yet."""
+    from flocking.kinematic import kernel
+
+    return kernel
 
 
 def _starting(poses_w: Floats, count: int, space: Space) -> Floats:
@@ -182,7 +190,7 @@ class KinematicHerd:
         self.motions = np.zeros((count, 4))
         self.draws = [band.law.draws for band in bands]
         self.most_steps = max(1, MOST_DRAWS // (count * (1 + max(self.draws))))
-        self.pace = max(1, FIRST_LOOKS // count)
+        self.pace = max(1, min(FIRST_DECISIONS, FIRST_LOOKS // count))
         self.turn = np.zeros(2, np.int64)
 
     def start(self, velocities_w: Floats | None, speeds: float | Floats) -> None:
@@ -225,16 +233,16 @@ class KinematicHerd:
                     self._in_turn(done)
                 done += 1
                 if done % every == 0:
-                    kernel.record(self.bodies, tracks[(done - kept) // every - 1])
+                    _kernel().record(self.bodies, tracks[(done - kept) // every - 1])
             else:
                 piece = min(end - done, self.pace // count, self.most_steps)
                 if synchronous:
                     draws = self.law_rng.random((piece, count, self.draws[0]))
-                    self._run(kernel.synchronous, 0, self.members[0], draws, tracks, every, done - kept, done, (0,))
+                    self._run(_kernel().synchronous, 0, self.members[0], draws, tracks, every, done - kept, done, (0,))
                 else:
                     order = np.argsort(self.order_rng.random((piece, count)), axis=1)
                     draws = self.law_rng.random((piece, count, self.draws[0]))
-                    self._run(kernel.asynchronous, 0, order, draws, tracks, every, done - kept, done)
+                    self._run(_kernel().asynchronous, 0, order, draws, tracks, every, done - kept, done)
                 done += piece
             if said is not None:
                 said(done)
@@ -246,20 +254,20 @@ class KinematicHerd:
             while first < len(who):
                 part = who[first : first + self.pace]
                 draws = self.law_rng.random((1, len(part), self.draws[band]))
-                self._run(kernel.synchronous, band, part, draws, self._nothing, 2, 0, step, (1,))
+                self._run(_kernel().synchronous, band, part, draws, self._nothing, 2, 0, step, (1,))
                 first += len(part)
-        kernel.move_all(self.bodies, self.limits, self.place, self.dt, self.motions)
+        _kernel().move_all(self.bodies, self.limits, self.place, self.dt, self.motions)
 
     def _in_turn(self, step: int) -> None:
         """One asynchronous step in an order drawn anew, by runs of one band each or in parts."""
         turns = np.argsort(self.order_rng.random(len(self.positions)))
         for run in np.split(turns, np.flatnonzero(np.diff(self.band_of[turns])) + 1):
             band, first = int(self.band_of[run[0]]), 0
-            block = kernel.part_of(len(turns), self.stages[band].reach)
+            block = _kernel().part_of(len(turns), self.stages[band].reach)
             while first < len(run):
                 part = np.ascontiguousarray(run[None, first : first + max(1, self.pace // block) * block])
                 draws = self.law_rng.random((1, part.shape[1], self.draws[band]))
-                self._run(kernel.asynchronous, band, part, draws, self._nothing, 2, 0, step)
+                self._run(_kernel().asynchronous, band, part, draws, self._nothing, 2, 0, step)
                 first += part.shape[1]
 
     @property

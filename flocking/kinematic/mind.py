@@ -19,6 +19,7 @@ from flocking.kinematic.arrays import BEARINGS, Bodies, Minds, Place, Stages
 from flocking.kinematic.cells import Cells, nearby
 from flocking.kinematic.walls import nearest_point, shortest
 from flocking.lawentry import OWN_SIZE
+from flocking.obstacle_selection import keep_selected
 from flocking.perception import ARGUMENTS, Step, keep
 from flocking.types import ANONYMOUS, Bools, Floats, Ints, Kind
 
@@ -369,6 +370,7 @@ def decide(
             stages.sight if place.period == 0.0 else min(stages.sight, 0.7072 * place.period),
             room.obstacles,
         )
+        blocks = keep_selected(stages.obstacle_steps, stages.obstacle_given, room.obstacles, blocks)
         if stages.virtual:
             found = with_virtual(found, room.obstacles[:blocks], stages, room)
     select(i, found, stages, minds, place, room)

@@ -1,21 +1,22 @@
 """The kinematic herd in plain Python and NumPy, one member at a time: what the compiled one is held against.
 
-It knows perfect detection of positions, ideal and limited motion, open and periodic space; no walls and no bodies.
+It knows perfect detection, goals, roles, graphs, obstacles with all that the shared stages make of them, ideal and
+limited motion, open and periodic space. It stops nobody at a wall: who touched one is not for it to say.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
-from flocking import selection
+from flocking import avoidance, obstacle_selection, selection
 from flocking.kinematic.arrays import Bodies
 from flocking.kinematic.herd import Band
 from flocking.tessellation import tessellated
-from flocking.types import NO_OBSTACLES, Bools, Floats, Kind, Members, Motion, Own
+from flocking.types import NO_OBSTACLES, Bools, Floats, Kind, Members, Motion, Obstacles, Own, only
 
 
 def step(
@@ -25,11 +26,14 @@ def step(
     dt_s: float,
     period_m: float = 0.0,
     graph: Bools | None = None,
+    walls_w: Floats | None = None,
+    members: Collection[int] | None = None,
 ) -> Bodies:
     """One synchronous step of all bands from the state `before`, which is left as it is.
 
     `draws`: for each band (count, DRAWS) uniform numbers. Selections may limit the herd by Voronoi cells, which are
-    then those of all members.
+    then those of all members. `walls_w` (W, 4) segments, not in periodic space. `members`: who is to take the step,
+    None = all; the others stay as they are.
     """
     after = Bodies._make(array.copy() for array in before)
     first = 0
@@ -37,12 +41,26 @@ def step(
     for band, numbers in zip(bands, draws, strict=True):
         sets = selection.parse_sets(band.selection, band.law.sets, band.law.parameter_names)
         for i in range(first, first + band.count):
+            if members is not None and i not in members:
+                continue
             given = band.parameters if isinstance(band.parameters, Mapping) else band.parameters[i - first]
             parameters = band.law.parameters(given)
             if any(chosen.step is selection.Step.VORONOI for steps in sets for chosen in steps) and touching is None:
                 touching = tessellated(before.positions, period_m)
             motion = _decided(
-                i, band, sets, parameters, before, after.memory, numbers[i - first], dt_s, period_m, graph, touching
+                i,
+                first,
+                band,
+                sets,
+                parameters,
+                before,
+                after.memory,
+                numbers[i - first],
+                dt_s,
+                period_m,
+                graph,
+                touching,
+                walls_w,
             )
             _move(i, band, motion, before, after, dt_s, period_m)
         first += band.count
@@ -51,6 +69,7 @@ def step(
 
 def _decided(
     i: int,
+    first: int,
     band: Band,
     sets: Sequence[Sequence[selection.Chosen]],
     parameters: Any,
@@ -61,8 +80,9 @@ def _decided(
     period: float,
     graph: Bools | None,
     touching: Bools | None,
+    walls: Floats | None,
 ) -> Motion:
-    """Stages 2 to 4 of member i."""
+    """Stages 2 to 4 of member i, of a band that begins with member `first`."""
     heading = now.headings[i]
     to_body = np.array([[math.cos(heading), math.sin(heading)], [-math.sin(heading), math.cos(heading)]])
     others = np.delete(np.arange(len(now.positions)), i)
@@ -77,7 +97,18 @@ def _decided(
         now.velocities[others] @ to_body.T,
         others.astype(np.int64),
     )
-    masks = np.ones((len(sets), len(others)), dtype=np.bool_)
+    velocity = to_body @ now.velocities[i]
+    obstacles = NO_OBSTACLES
+    if walls is not None:
+        obstacles = _obstacles(now.positions[i], to_body, walls, band)
+    if band.obstacles == "virtual-members":
+        members = avoidance.with_virtual_members(members, obstacles, velocity, band.avoidance.virtual_range_m)
+        reads = band.law.needs | selection.needs(chosen for steps in sets for chosen in steps)
+        if "headings" in reads:
+            members = only(members, np.flatnonzero(~np.isnan(members.headings)))
+    if graph is not None:
+        graph = np.append(graph[i, others], np.zeros(len(members.ids) - len(others), dtype=np.bool_))
+    masks = np.ones((len(sets), len(members.ids)), dtype=np.bool_)
     for s, steps in enumerate(sets):
         chosen = selection.resolved(steps, parameters._asdict())
         if chosen and chosen[0].step is selection.Step.VORONOI:
@@ -87,12 +118,12 @@ def _decided(
             near = Members._make(column[kept] for column in members)
             masks[s, kept] = selection.select(chosen[1:], near)
         else:
-            masks[s] = selection.select(chosen, members, None if graph is None else graph[i, others])
+            masks[s] = selection.select(chosen, members, graph)
     goal = np.full(2, math.nan)
     if band.goals_w is not None:
-        goal = to_body @ (band.goals_w[i] - now.positions[i])
+        goal = to_body @ (band.goals_w[i - first] - now.positions[i])
     own = Own(
-        to_body @ now.velocities[i],
+        velocity,
         float(now.turn_rates[i]),
         float(heading),
         goal,
@@ -101,7 +132,25 @@ def _decided(
         i,
         band.role,
     )
-    return band.law.function(own, members, masks, NO_OBSTACLES, parameters, memory[i, : band.law.memory], u)
+    seen = obstacles if "obstacles" in band.law.needs else NO_OBSTACLES
+    motion = band.law.function(own, members, masks, seen, parameters, memory[i, : band.law.memory], u)
+    if band.obstacles == "avoid":
+        shared = band.avoidance
+        kind, x, y, _ = avoidance.avoid(
+            int(motion.kind), motion.x, motion.y, *velocity, dt, obstacles.points, shared.look_ahead_m, shared.margin_m
+        )
+        return Motion(kind, x, y, motion.rule)
+    return motion
+
+
+def _obstacles(position: Floats, to_body: Floats, walls: Floats, band: Band) -> Obstacles:
+    """The nearest points of the walls in sight, body frame, as far as the group selects them."""
+    starts, ends = walls[:, :2], walls[:, 2:]
+    along = ends - starts
+    parts = ((position - starts) * along).sum(axis=1) / (along * along).sum(axis=1)
+    offsets = starts + np.clip(parts, 0.0, 1.0)[:, None] * along - position
+    points = offsets[np.hypot(*offsets.T) <= band.sight_m] @ to_body.T
+    return obstacle_selection.select(obstacle_selection.parse(band.obstacle_selection), Obstacles(points))
 
 
 def _move(i: int, band: Band, motion: Motion, now: Bodies, after: Bodies, dt: float, period: float) -> None:

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from trials import watch
 from trials.store import StorageError
 from trials.types import Group, Trial
 from trials.worker import WorkerOutput
@@ -48,6 +49,17 @@ def run(trial: dict[str, Any], scans: str, record: bool) -> WorkerOutput:
         time.sleep(3600)
     if act == "spin":
         _spin()
+    if act == "spin watched":
+        watch.arm(0.3)
+        with watch.watched():
+            _spin()
+    if act == "breathe":
+        watch.arm(0.3)
+        with watch.watched():
+            for _ in range(8):
+                time.sleep(0.1)
+                watch.breathe()
+        time.sleep(0.5)
     if act == "disk":
         raise StorageError("cannot write a recording below /tmp: No space left on device")
     if act == "nan":

@@ -79,11 +79,22 @@ def test_what_goes_wrong_in_one_trial_is_its_own_affair(tmp_path: Path) -> None:
     assert reasons[2].startswith("ValueError: no such luck in two lines (fake_trials.py, line ")
     assert reasons[3] == "its worker process died (exit code 3)"
     assert reasons[4] == "its worker process died (SIGKILL)"
-    assert reasons[5].startswith("did not end within 1.5 s of wall time; law ")
+    assert reasons[5].startswith("did not end within 1.5 s of wall time; law '")
     assert reasons[6] == "the law returned nan"
     assert reasons[7].startswith("SystemExit: the law wants out")
     assert all(row.seed == 1 for row in rows)
     assert not summary.stopped
+
+
+def test_a_law_that_never_returns_is_named_and_one_that_is_slow_is_let_be(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("FAKE_SPINNING", str(tmp_path / "spinning"))
+    trials = [fake_trials.trial(k, act) for k, act in enumerate(["spin watched", "breathe"], start=1)]
+    _, rows = batch(tmp_path / "run", trials)
+    reasons = {row.index: (row.status, row.reason) for row in rows}
+    assert reasons[1] == ("failed", "law 'extended-hamilton' did not return within 30 s of wall time")
+    assert reasons[2] == ("done", "")
 
 
 def test_only_what_is_asked_for_is_recorded(tmp_path: Path) -> None:

@@ -58,6 +58,9 @@ def test_the_command_prints_tables_or_one_law(capsys, monkeypatch) -> None:
     assert "Table 3.2" in tables
     assert "Table 3.4" in tables
     assert max(len(line.split()) for line in tables.splitlines()) > 8
+    told = tables.partition("Completeness")[2].splitlines()
+    assert max(map(len, told)) <= lawtables.PLAIN_WIDTH
+    assert set(told) >= {name for name in LAWS if lawentry.module_of(name).FILLED}, "a heading for each law"
     one = run(capsys, monkeypatch, "laws", "extended_hamilton")
     assert "exclusion_m" in one
     assert "algorithm 2" in one

@@ -1,9 +1,9 @@
-"""Effective leadership (Couzin et al. 2005): how well a few informed members steer a group, for groups of 10 to 200."""
+"""Effective leadership (Couzin et al. 2005): how well a few informed members steer 10 to 200, at two speeds."""
 
 from __future__ import annotations
 
 from flocking.parameters import Parameter
-from trials.couzin_report import COUNT, SHARE, claims, figures
+from trials.couzin_report import COUNT, SHARE, SPEED, claims, figures
 from trials.kinematic.fields import group, trial
 from trials.types import Trial
 
@@ -12,8 +12,10 @@ RECORD = "first"
 CONDITIONS = {
     COUNT: (10, 30, 50, 100, 200),
     SHARE: (0.02, 0.05, 0.1, 0.2, 0.3, 0.5),
+    SPEED: (1.0, 3.0),
 }
 SOURCES = {
+    SPEED: Parameter("m/s", "not in the document, and it decides: 3 is that of Couzin et al. 2002, 1 a unit a second"),
     "herd.count": Parameter("members", "Couzin et al. 2005, figure 1", published=True),
     "cut_m": Parameter("m", "the range of interaction: groups farther apart do not know of one another"),
     "steps": Parameter("", "a choice"),

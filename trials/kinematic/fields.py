@@ -98,6 +98,7 @@ class GroupFields(NamedTuple):
             choices=("as-law", "avoid", "virtual-members"),
         ),
     ] = "as-law"
+    obstacle_selection: Annotated[str, Parameter("", "Fine 2015, figure 3.3, which leaves it open")] = "all"
     look_ahead_m: Annotated[
         float, Parameter("m", f"of the shared avoidance; three quarters of a spacing, or a step: {_LAW}", low=0.0)
     ] = OPEN

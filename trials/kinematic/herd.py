@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from flocking import avoidance, lawentry, selection
+from flocking import avoidance, lawentry, obstacle_selection, selection
 from flocking.errors import InputError, unknown_name
 from flocking.kinematic import Band, Space
 from flocking.kinematic.herd import MOST_LINKED
@@ -15,6 +17,7 @@ from flocking.lawentry import OF_MEMBERS
 from flocking.parameters import declared, filled
 from flocking.perception import Step
 from flocking.types import Bools, Floats, Ints
+from trials import spread
 from trials.kinematic import fields, formations, lattice_starts
 from trials.streams import Purpose, stream
 from trials.types import Group, Trial
@@ -47,7 +50,7 @@ def assemble(trial: Trial) -> Herd:
     space = _space(trial)
     poses_w, speeds = _start(trial, space)
     centre = np.zeros(2) if space.kind == "unbounded" else np.full(2, space.size_m / 2.0)
-    bands = [_band(group, centre) for group in trial.groups]
+    bands = [_band(trial, number, centre) for number in range(len(trial.groups))]
     kinds = [2 * g + (np.isfinite(_goals(band)).all(axis=1)) for g, band in enumerate(bands)]
     given = fields.of_trial(trial)
     graph = _graph(given.graph, len(poses_w)) if any(map(_selects_by_graph, bands)) else None
@@ -75,6 +78,7 @@ def check(trial: Trial) -> None:
     for group in trial.groups:
         if group.pipeline not in fields.DETECTIONS:
             raise unknown_name("pipeline", group.pipeline, fields.DETECTIONS)
+        obstacle_selection.parse(fields.of_group(group).obstacle_selection)
         _check_law(group)
     _start(trial, _space(trial))
 
@@ -117,14 +121,18 @@ def _space(trial: Trial) -> Space:
     return Space("bounded", given.size_m, formations.walls(given.walls, given.length_m, given.size_m, rng))
 
 
-def _band(group: Group, centre: Floats) -> Band:
+def _band(trial: Trial, number: int, centre: Floats) -> Band:
+    group = trial.groups[number]
     given = fields.of_group(group)
+    each: Mapping[str, Any] | list[dict[str, Any]] = group.law_parameters
+    if group.spread:
+        each = [spread.parameters(trial, number, member, group.law_parameters) for member in range(group.count)]
     goals = np.full((group.count, 2), np.nan)
     goals[: round(given.informed_share * group.count)] = centre + np.array([given.goal_x_m, given.goal_y_m])
     return Band(
         law=lawentry.load(group.law, group.law_source),
         count=group.count,
-        parameters=group.law_parameters,
+        parameters=each,
         selection=group.selection,
         cruise_m_s=_limit(given.cruise_m_s),
         max_speed_m_s=_limit(given.max_speed_m_s),
@@ -137,6 +145,7 @@ def _band(group: Group, centre: Floats) -> Band:
         assumed_distance_m=given.assumed_distance_m,
         silhouette_m=given.silhouette_m,
         sight_m=_limit(given.sight_m),
+        obstacle_selection=given.obstacle_selection,
         obstacles=given.obstacles,
         avoidance=avoidance.Parameters(given.look_ahead_m, given.margin_m, given.virtual_range_m),
     )

@@ -9,6 +9,7 @@ from typing import Any
 from flocking import found, lawentry, selection
 from flocking.errors import unknown_name
 from flocking.parameters import Parameter, checked, declared
+from trials import spread
 from trials.kinematic import fields, links
 from trials.rows import Row, added, rows_of, told
 from trials.simulations import AVOIDS
@@ -56,7 +57,7 @@ def rows(trial: Trial, sources: Mapping[str, Parameter] | None = None) -> list[R
         found_rows += rows_of(fields.GroupNames, name, vars(group))
         found_rows += rows_of(fields.GroupFields, name, fields.of_group(group)._asdict())
         law = lawentry.module_of(group.law, group.law_source)
-        found_rows += rows_of(law.Parameters, f"{name}law.", group.law_parameters)
+        found_rows += [*rows_of(law.Parameters, f"{name}law.", group.law_parameters), *spread.rows(group)]
     return [told(row, (sources or {}).get(row.key)) for row in found_rows]
 
 
@@ -73,11 +74,15 @@ def _put_group(trial: Trial, group: Group, key: str, parts: list[str], value: An
         if law != value:
             group = dataclasses.replace(group, kinematics={**group.kinematics, "obstacles": "avoid"})
         if lawentry.is_path(law):
-            return dataclasses.replace(group, law=law, law_source=lawentry.read_source(law), law_parameters={})
+            return dataclasses.replace(
+                group, law=law, law_source=lawentry.read_source(law), law_parameters={}, spread={}
+            )
         found.load("flocking.laws", law, "law")
-        return dataclasses.replace(group, law=law.replace("_", "-"), law_source="", law_parameters={})
+        return dataclasses.replace(group, law=law.replace("_", "-"), law_source="", law_parameters={}, spread={})
     if len(parts) == 1 and field in numbers:
         return dataclasses.replace(group, kinematics={**group.kinematics, field: checked(key, value, numbers[field])})
+    if len(parts) == 2 and field == "spread":
+        return spread.put(group, key, parts[1], value)
     if len(parts) == 2 and field == "law":
         known = declared(lawentry.module_of(group.law, group.law_source).Parameters)
         return dataclasses.replace(

@@ -9,6 +9,7 @@ import numpy as np
 
 from flocking.kinematic import History, LawFailedError, simulate
 from flocking.types import Floats
+from trials import watch
 from trials.kinematic import fields, links
 from trials.kinematic.herd import Herd, assemble
 from trials.kinematic.measures import measure
@@ -50,18 +51,20 @@ def run_trial(trial: Trial, reraise: bool = False) -> TrialResult:
 
 def simulated(trial: Trial, herd: Herd, every: int) -> History:
     """The way of a trial's herd, of which every so many steps are kept. Raises `LawFailedError`."""
-    return simulate(
-        herd.bands,
-        herd.poses_w,
-        dt_s=herd.fields.timestep_s,
-        steps=herd.fields.steps,
-        rng=stream(trial.seed, trial.repeat, 1, 0, Purpose.LAW),
-        space=herd.space,
-        speeds_m_s=herd.speeds,
-        synchronous=herd.fields.synchronous,
-        every=every,
-        graph=herd.graph,
-    )
+    with watch.watched():
+        return simulate(
+            herd.bands,
+            herd.poses_w,
+            dt_s=herd.fields.timestep_s,
+            steps=herd.fields.steps,
+            rng=stream(trial.seed, trial.repeat, 1, 0, Purpose.LAW),
+            space=herd.space,
+            speeds_m_s=herd.speeds,
+            synchronous=herd.fields.synchronous,
+            every=every,
+            graph=herd.graph,
+            said=watch.breathe,
+        )
 
 
 def _result(trial: Trial, herd: Herd, times: Floats, poses_w: Floats, outcome: str, reason: str) -> TrialResult:
