@@ -43,6 +43,8 @@ OF_MEMBERS = frozenset({"positions", "bearings", "headings", "velocities", "ids"
 """What a law may read of each member."""
 INFORMATION = OF_MEMBERS | {"compass", "goal", "contacts", "obstacles"}
 """What a law may say that it needs."""
+MOST_NUMBERS = 10_000
+"""That a law may remember or draw."""
 MOTIONS_WITHOUT_NUMBERS = frozenset({int(Kind.HOLD), int(Kind.STOP)})
 
 _TEMPLATE = '''"""Generated from a law's file."""
@@ -220,6 +222,18 @@ def needs_of(module: ModuleType) -> frozenset[str]:
     return frozenset(getattr(module, "NEEDS", {"positions"}))
 
 
+def room_of(name: str, module: ModuleType) -> tuple[int, int]:
+    """How many numbers a law's module remembers, and how many it draws. Raises `InputError`."""
+    found = []
+    for constant in ("MEMORY", "DRAWS"):
+        value = getattr(module, constant, 0)
+        if not isinstance(value, int) or not 0 <= value <= MOST_NUMBERS:
+            raise InputError(f"law file {name!r}: {constant} = {value!r}: expected a whole number, 0 to {MOST_NUMBERS}")
+        found.append(int(value))
+    memory, draws = found
+    return memory, draws
+
+
 def load(name: str, source: str = "") -> Law:
     """The law of that name, or the user's own whose path is `name` and whose text is `source`.
 
@@ -273,6 +287,7 @@ def _compile(name: str, module: ModuleType, path: Path, *, boundscheck: bool) ->
     for field in fields.values():
         if field.type is str:
             raise InputError(f"law file {name!r}: parameter {field.name!r} is text; a law's parameters are numbers")
+    memory, draws = room_of(name, module)
     needs = needs_of(module)
     if not needs <= INFORMATION:
         raise InputError(f"law file {name!r}: NEEDS {sorted(needs - INFORMATION)}; expected of {sorted(INFORMATION)}")
@@ -294,8 +309,8 @@ def _compile(name: str, module: ModuleType, path: Path, *, boundscheck: bool) ->
         module=module,
         rules=tuple(getattr(module, "RULES", ("law",))),
         sets=sets,
-        memory=int(getattr(module, "MEMORY", 0)),
-        draws=int(getattr(module, "DRAWS", 0)),
+        memory=memory,
+        draws=draws,
         needs=needs,
         entry=entry,
     )

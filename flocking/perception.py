@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from enum import IntEnum
 
-from flocking.compilation import allocating, borrowing, compiled
+from flocking.compilation import allocating, borrowing, compiled, inlined
 from flocking.density import keep_densest
 from flocking.geometry import before
 from flocking.types import Bools, Floats, Ints
@@ -51,13 +51,12 @@ def keep_ids(ids: Ints, wanted: Floats, mask: Bools) -> None:
             mask[j] = found
 
 
-@compiled
+@inlined
 def keep_within(positions: Floats, low_m: float, high_m: float, mask: Bools) -> None:
     """DistanceBased(): members at a distance in [low, high)."""
     for j in range(len(mask)):
-        if mask[j]:
-            d = math.sqrt(positions[j, 0] * positions[j, 0] + positions[j, 1] * positions[j, 1])
-            mask[j] = low_m <= d < high_m
+        d = math.sqrt(positions[j, 0] * positions[j, 0] + positions[j, 1] * positions[j, 1])
+        mask[j] &= (low_m <= d) & (d < high_m)
 
 
 @allocating
@@ -89,16 +88,24 @@ def keep_in_box(positions: Floats, x0: float, y0: float, x1: float, y1: float, m
 def keep_angle(bearings: Floats, angle_rad: float, mask: Bools) -> None:
     """Angle(): members whose bearing is less than the angle to either side."""
     for j in range(len(mask)):
-        if mask[j]:
-            mask[j] = abs(bearings[j]) < angle_rad
+        mask[j] &= abs(bearings[j]) < angle_rad
+
+
+@inlined
+def keep_cone(positions: Floats, cosine: float, mask: Bools) -> None:
+    """Angle() by positions, without a bearing: `cosine` of the angle. Whoever is in one's own place is dead ahead."""
+    for j in range(len(mask)):
+        x, y = positions[j, 0], positions[j, 1]
+        squared = x * x + y * y
+        ahead = (squared == 0.0) & (cosine < 1.0)
+        mask[j] &= (x > cosine * math.sqrt(squared)) | ahead
 
 
 @compiled
 def keep_view(bearings: Floats, width_rad: float, mask: Bools) -> None:
     """Members within a field of view of that width about the nose, its border included."""
     for j in range(len(mask)):
-        if mask[j]:
-            mask[j] = abs(bearings[j]) <= width_rad / 2.0
+        mask[j] &= abs(bearings[j]) <= width_rad / 2.0
 
 
 @compiled

@@ -217,6 +217,9 @@ def parse(text: str, parameters: Iterable[str] = ()) -> list[Chosen]:
             raise unknown_name("selection", name, SELECTIONS)
         about = SELECTIONS[name]
         pieces = [piece.strip() for piece in (match.group(2) or "").split(",") if piece.strip()]
+        for piece in pieces:
+            if known and piece.isidentifier() and piece not in known and math.isnan(_number(piece)) and piece != "nan":
+                raise unknown_name("parameter of the law", piece, known)
         given = tuple(piece if piece in known else _number(piece) for piece in pieces)
         numbers = [value for value in given if not isinstance(value, str)]
         right = len(given) <= ARGUMENTS if about.arguments < 0 else len(given) == about.arguments

@@ -156,6 +156,10 @@ class Cells:
             for repeat, row in rows.items()
         }
 
+    def array(self, measure: str, *cell: Any) -> Floats:
+        """(n,) the same without the repeats' numbers."""
+        return np.array(list(self.values(measure, *cell).values()))
+
     def failed(self) -> int:
         """Failed trials in the cells that were asked for."""
         rows = [row for cell in self.used for row in self._planned.get(cell, {}).values()]

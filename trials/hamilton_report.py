@@ -10,8 +10,6 @@ from __future__ import annotations
 from functools import partial
 from pathlib import Path
 
-import numpy as np
-
 from flocking.types import Floats
 from trials import figures as draw
 from trials.claims import Cells, Entry, Outcome, Question, Run, above, answered, arms, more, near, published
@@ -63,7 +61,7 @@ def claims(run: Run) -> list[Entry]:
 
 
 def _values(cells: Cells, measure: str, law: str) -> Floats:
-    return np.array(list(cells.values(measure, law).values()))
+    return cells.array(measure, law)
 
 
 def _small(cells: Cells, law: str) -> list[Outcome]:

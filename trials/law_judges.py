@@ -60,7 +60,7 @@ def both(*verdicts: bool | None) -> bool | None:
 def mean_of(cells: Cells, measure: str, cell: Cell) -> float:
     """Mean over the repeats; nan where there is none."""
     try:
-        values = np.array(list(cells.values(measure, *cell).values()))
+        values = cells.array(measure, *cell)
     except UndecidedError:
         return math.nan
     finite = values[np.isfinite(values)]

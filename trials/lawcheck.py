@@ -135,7 +135,7 @@ def _calls(module: ModuleType, parameters: Any, path: str) -> list[Call]:
     except InputError as error:
         raise InputError(f"law file {path!r}: SETS: {error}") from None
     needs = lawentry.needs_of(module) | selection.needs(step for steps in sets for step in steps)
-    memory, draws = int(getattr(module, "MEMORY", 0)), int(getattr(module, "DRAWS", 0))
+    memory, draws = lawentry.room_of(path, module)
     rng = np.random.default_rng(1)
     found = []
     for case, positions in situations().items():

@@ -10,8 +10,6 @@ from __future__ import annotations
 
 from functools import partial
 
-import numpy as np
-
 from trials.claims import Cells, Entry, Outcome, Question, Run, answered, arms, near, published, same
 
 KEYS = ("formation", "herd.law", "herd.selection")
@@ -59,7 +57,7 @@ def _questions(cells: Cells) -> list[Question]:
 
 
 def _cell(cells: Cells, formation: str, law: str, value: float, margin: float) -> list[Outcome]:
-    found = np.array(list(cells.values(MEASURE, formation, law, NEAR).values()))
+    found = cells.array(MEASURE, formation, law, NEAR)
     return [near("MMD at the end, m", found, value, margin)]
 
 

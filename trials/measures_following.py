@@ -50,7 +50,19 @@ def following(result: TrialResult) -> dict[str, float]:
     return {
         "follow_share": _share(followed(result) >= 0, updates.kinds == Kind.WAY_POINT),
         "kept_share": _share(unchanged(updates), blind),
+        "blind_turn_rad_s": _blind_turn(updates),
     }
+
+
+def _blind_turn(updates: Updates) -> float:
+    """Mean turn rate, whichever way, from a robot's second update in a row that saw nobody to its next; rad/s."""
+    order = np.lexsort((updates.times, updates.robots))
+    robots, times, headings = updates.robots[order], updates.times[order], updates.poses_w[order, 2]
+    blind = np.diff(updates.input_starts)[order] == 0
+    settled = (robots[2:] == robots[:-2]) & blind[:-2] & blind[1:-1]
+    turned = (headings[2:] - headings[1:-1] + math.pi) % (2.0 * math.pi) - math.pi
+    passed = times[2:][settled] - times[1:-1][settled]
+    return float((np.abs(turned[settled]) / passed).mean()) if settled.any() else math.nan
 
 
 def _of_one_owner(updates: Updates) -> Bools:

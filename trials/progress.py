@@ -59,7 +59,7 @@ class Lines:
             self.say(failure(row))
         if self.done == self.count or now - self.last >= LINE_EVERY_S:
             self.last = now
-            speed = "" if math.isnan(rate) else f", {rate:.2g} a second"
+            speed = "" if math.isnan(rate) else f", {_rate(rate)} a second"
             left = (
                 f", about {duration((self.count - self.done) / rate)} left" if speed and self.done < self.count else ""
             )
@@ -77,7 +77,7 @@ class _Bar:
         if row.status != "done":
             self.bar.console.print(failure(row), markup=False, highlight=False)
         rate = self.rate.ended()
-        speed = "" if math.isnan(rate) else f"{rate:.2g}/s"
+        speed = "" if math.isnan(rate) else f"{_rate(rate)}/s"
         self.bar.update(self.task, advance=1, description="trials", rate=speed)
 
 
@@ -98,6 +98,11 @@ def _bar(count: int, already: int) -> Iterator[_Bar]:
     )
     with Rich(*columns, console=Console(stderr=True)) as bar:
         yield _Bar(bar, bar.add_task("starting", total=count, completed=already, rate=""))
+
+
+def _rate(rate: float) -> str:
+    """Two significant digits, or whole numbers."""
+    return f"{rate:.0f}" if rate >= 100.0 else f"{rate:.2g}"
 
 
 def failure(row: Row) -> str:

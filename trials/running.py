@@ -75,6 +75,8 @@ def planned(asked: Asked) -> tuple[Plan, list[Trial]]:
         pipeline=asked.pipeline,
         body=asked.body,
     )
+    if asked.scans == "all" and all(map(simulations.is_kinematic, made.trials)):
+        raise InputError(f"--scans all: {made.experiment} has no lasers; expected an experiment on robots")
     for trial in made.trials:
         simulations.check(trial)
     if asked.only is None:

@@ -11,8 +11,6 @@ from functools import partial
 from itertools import pairwise
 from pathlib import Path
 
-import numpy as np
-
 from trials import figures as draw
 from trials.claims import Cells, Entry, Outcome, Question, Run, above, answered, arms, more, published
 from trials.figures import Figure
@@ -42,7 +40,7 @@ def claims(run: Run) -> list[Entry]:
 
 
 def _falls(cells: Cells) -> list[Outcome]:
-    quiet, loud = (np.array(list(cells.values("polarization", MEMBERS, noise).values())) for noise in (QUIET, LOUD))
+    quiet, loud = (cells.array("polarization", MEMBERS, noise) for noise in (QUIET, LOUD))
     return [
         above(f"order at noise {QUIET:g}, N {MEMBERS}", quiet, ORDERED, MARGIN),
         above(f"1 less order at noise {LOUD:g}, N {MEMBERS}", 1.0 - loud, 1.0 - DISORDERED, MARGIN),

@@ -16,6 +16,10 @@ POSES, BEARINGS = 0, 1
 """What is known of where a neighbour is: its position, or its bearing alone."""
 
 
+COSINE = 1
+"""Of the numbers of ANGLE: where the cosine of its angle stands, if all members share it."""
+
+
 class Bodies(NamedTuple):
     """What moves."""
 
@@ -53,8 +57,6 @@ class Minds(NamedTuple):
     """(N, P) of its law, as wide as the widest; (1, P) if all members have the same."""
     goals: Floats
     """(N, 2) nan = none."""
-    roles: Ints
-    """(N,)."""
 
 
 class Place(NamedTuple):
@@ -81,6 +83,8 @@ class Stages(NamedTuple):
     """(S, K, ARGUMENTS)."""
     named: Ints
     """(S, K, ARGUMENTS)."""
+    varied: bool
+    """Whether members differ in the numbers of `named`; else `given` has them all."""
     parameters: int
     """How many of the columns of `Minds.parameters` are the law's."""
     memory: int
@@ -101,6 +105,12 @@ class Stages(NamedTuple):
     """Radius of the members as a laser sees them."""
     sight: float
     """Range of obstacles and of the laser."""
+    role: int
+    """Of all members of the band."""
+    goal: bool
+    """Whether the law reads its goal."""
+    contacts: bool
+    """Whether the law reads its bumpers."""
     obstacles: bool
     """Whether the law reads obstacles."""
     obstacle_steps: Ints
@@ -128,7 +138,7 @@ def example_limits() -> Limits:
 
 
 def example_minds() -> Minds:
-    return Minds(np.empty((0, 0)), np.empty((0, 2)), np.empty(0, np.int64))
+    return Minds(np.empty((0, 0)), np.empty((0, 2)))
 
 
 def example_place() -> Place:
@@ -140,6 +150,7 @@ def example_stages() -> Stages:
         np.zeros((1, 1), np.int64),
         np.zeros((1, 1, ARGUMENTS)),
         np.zeros((1, 1, ARGUMENTS), np.int64),
+        True,
         0,
         0,
         0.0,
@@ -150,6 +161,9 @@ def example_stages() -> Stages:
         0.0,
         0.0,
         0.0,
+        0,
+        True,
+        True,
         True,
         np.zeros(1, np.int64),
         np.zeros(1),

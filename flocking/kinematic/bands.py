@@ -15,9 +15,10 @@ import numpy as np
 from flocking import avoidance, obstacle_selection, selection
 from flocking.errors import InputError
 from flocking.kinematic import detection
-from flocking.kinematic.arrays import BEARINGS, POSES, Place, Stages
+from flocking.kinematic.arrays import BEARINGS, COSINE, POSES, Place, Stages
 from flocking.lawentry import Law
 from flocking.perception import Step
+from flocking.selection import Chosen
 from flocking.types import Bools, Floats
 
 CLEARANCE = 1e-9
@@ -145,6 +146,11 @@ class Band:
             raise InputError(f"{len(given)} sets of parameters for {self.count} members of law {self.law.name!r}")
         return np.array([self.law.parameters(one) for one in given], dtype=np.float64).reshape(self.count, -1)
 
+    def _resolved(self, sets: Sequence[Sequence[Chosen]]) -> list[list[Chosen]]:
+        """The sets' steps with the numbers that all members have."""
+        values = self.law.parameters(self.parameters)._asdict()  # type: ignore[arg-type]
+        return [selection.resolved(steps, values) for steps in sets]
+
     def stages(self) -> Stages:
         """As the compiled code takes them. Raises `InputError` for what does not fit."""
         names, law = self.law.parameter_names, self.law
@@ -152,7 +158,10 @@ class Band:
         for steps in sets:
             if any(chosen.step is Step.VORONOI for chosen in steps[1:]):
                 raise InputError(f"law {law.name!r}: in a kinematic herd voronoi must come first in a selection")
-        program = selection.program(sets, names)
+        varied = not isinstance(self.parameters, Mapping)
+        program = selection.program(sets if varied else self._resolved(sets), names)
+        angles = program.steps == Step.ANGLE
+        program.given[angles, COSINE] = np.cos(np.radians(program.given[angles, 0]))
         for name, value, valid in (
             ("detection", self.detection, DETECTIONS),
             ("information", self.information, INFORMATION),
@@ -167,9 +176,12 @@ class Band:
         if not perfect:
             reach = min(reach, self.sight_m) + self.silhouette_m
         obstacle_steps, obstacle_given = obstacle_selection.program(obstacle_selection.parse(self.obstacle_selection))
-        read = law.needs | selection.needs(chosen for steps in sets for chosen in steps)
+        # the kernel takes ANGLE from positions: a bearing costs an arctangent
+        chosen_steps = [chosen for steps in sets for chosen in steps if chosen.step is not Step.ANGLE]
+        read = law.needs | selection.needs(chosen_steps)
         return Stages(
             *program,
+            varied=varied,
             parameters=len(names),
             memory=law.memory,
             reach=float(reach),
@@ -180,6 +192,9 @@ class Band:
             assumed_distance=float(self.assumed_distance_m),
             silhouette=float(self.silhouette_m),
             sight=float(self.sight_m),
+            role=int(self.role),
+            goal="goal" in law.needs,
+            contacts="contacts" in law.needs,
             obstacles="obstacles" in law.needs,
             obstacle_steps=obstacle_steps,
             obstacle_given=obstacle_given,

@@ -171,8 +171,7 @@ class KinematicHerd:
                 goals[who] = band.goals_w
         if len(bands) == 1 and isinstance(bands[0].parameters, Mapping):
             parameters = parameters[:1].copy()
-        roles = np.repeat(np.array([band.role for band in bands], dtype=np.int64), [band.count for band in bands])
-        self.minds = Minds(parameters, goals, roles)
+        self.minds = Minds(parameters, goals)
         self.limits = Limits(
             *(
                 np.repeat([float(getattr(band, name)) for band in bands], [band.count for band in bands])

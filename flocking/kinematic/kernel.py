@@ -87,7 +87,7 @@ def synchronous(
     beams = 0 if stages.detection == detection.Detection.PERFECT else detection.BEAMS
     room = scratch(count, stages.steps.shape[0], len(place.walls), beams)
     others = np.empty((count, 2))
-    everybody = np.arange(count)
+    everybody, rows = np.arange(count), np.arange(count)
     unsorted = Crowd(bodies.positions, bodies.headings, bodies.velocities, everybody)
     sorted_ = Crowd(np.empty((count, 2)), np.empty(count), np.empty((count, 2)), everybody.copy())
     for step in range(len(draws)):
@@ -98,11 +98,15 @@ def synchronous(
             assemble(bodies, cells, sorted_)
             crowd = sorted_
             cells = cells_of(cells, everybody)
+        by_cells = cells.columns > 0 and len(who) == count
+        for k in range(0 if by_cells else count):
+            rows[order[k] if cells.columns > 0 else k] = k
         for k in range(len(who)):
-            at = order[k] if cells.columns > 0 and len(who) == count else k
+            at = order[k] if by_cells else k
             i = who[at]
+            row = k if by_cells else rows[i]
             turn[0], turn[1] = step, i
-            if not decide(law, i, stages, bodies, minds, crowd, cells, place, draws[step, at], dt, room):
+            if not decide(law, i, row, stages, bodies, minds, crowd, cells, place, draws[step, at], dt, room):
                 motions[i] = room.motion
                 return 1
             motions[i] = room.motion
@@ -158,7 +162,7 @@ def asynchronous(
         for k in range(order.shape[1]):
             i = order[step, k]
             turn[0], turn[1] = step, i
-            if not decide(law, i, stages, bodies, minds, crowd, cells, place, draws[step, k], dt, room):
+            if not decide(law, i, i, stages, bodies, minds, crowd, cells, place, draws[step, k], dt, room):
                 motions[i] = room.motion
                 return 1
             motions[i] = room.motion

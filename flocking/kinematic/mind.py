@@ -11,16 +11,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from flocking.angles import wrap
+from flocking.angles import turn_between
 from flocking.avoidance import avoid, virtual_members
 from flocking.compilation import borrowing, compiled, inlined
 from flocking.kinematic import detection
-from flocking.kinematic.arrays import BEARINGS, Bodies, Minds, Place, Stages
+from flocking.kinematic.arrays import BEARINGS, COSINE, Bodies, Minds, Place, Stages
 from flocking.kinematic.cells import Cells, nearby
 from flocking.kinematic.walls import nearest_point, shortest
 from flocking.lawentry import OWN_SIZE
 from flocking.obstacle_selection import keep_selected
-from flocking.perception import ARGUMENTS, Step, keep
+from flocking.perception import ARGUMENTS, Step, keep, keep_cone, keep_within
 from flocking.types import ANONYMOUS, Bools, Floats, Ints, Kind
 
 
@@ -106,6 +106,35 @@ def assemble(bodies: Bodies, cells: Cells, crowd: Crowd) -> None:
         velocities[k, 0], velocities[k, 1] = all_velocities[j, 0], all_velocities[j, 1]
 
 
+@inlined
+def of_all(
+    i: int,
+    x: float,
+    y: float,
+    positions: Floats,
+    who: Ints,
+    period: float,
+    squared: float,
+    found: Ints,
+    seen: Floats,
+) -> int:
+    """The same where there are no cells."""
+    count = 0
+    if period == 0.0:
+        for j in range(len(positions)):
+            dx, dy = positions[j, 0] - x, positions[j, 1] - y
+            found[count] = j
+            seen[count, 0], seen[count, 1] = dx, dy
+            count += (dx * dx + dy * dy <= squared) & (who[j] != i)
+        return count
+    for j in range(len(positions)):
+        dx, dy = shortest(positions[j, 0] - x, period), shortest(positions[j, 1] - y, period)
+        found[count] = j
+        seen[count, 0], seen[count, 1] = dx, dy
+        count += (dx * dx + dy * dy <= squared) & (who[j] != i)
+    return count
+
+
 @borrowing
 def candidates(
     i: int,
@@ -122,26 +151,19 @@ def candidates(
     seen: Floats,
 ) -> int:
     """Writes which rows of the crowd are within reach of member i, and where from it (world axes); returns how many."""
+    # each is written where the next found one goes: no branch that a processor could guess wrong
     squared, count = reach * reach, 0
     if cells.columns == 0:
-        for j in range(len(positions)):
-            dx = shortest(positions[j, 0] - x, period)
-            dy = shortest(positions[j, 1] - y, period)
-            if dx * dx + dy * dy <= squared and who[j] != i:
-                found[count] = j
-                seen[count, 0], seen[count, 1] = dx, dy
-                count += 1
-        return count
+        return of_all(i, x, y, positions, who, period, squared, found, seen)
     pieces = nearby(cells, x, y, near)
     for p in range(0, pieces, 2):
         for k in range(near[p], near[p + 1]):
             j = members[k]
             dx = shortest(positions[j, 0] - x, period)
             dy = shortest(positions[j, 1] - y, period)
-            if dx * dx + dy * dy <= squared and who[j] != i:
-                found[count] = j
-                seen[count, 0], seen[count, 1] = dx, dy
-                count += 1
+            found[count] = j
+            seen[count, 0], seen[count, 1] = dx, dy
+            count += (dx * dx + dy * dy <= squared) & (who[j] != i)
     return count
 
 
@@ -183,7 +205,7 @@ def describe(
     """Writes heading, velocity (body axes) and id of each input from the member that it is of."""
     for k in range(found):
         j = sources[k]
-        headings[k] = wrap(all_headings[j] - heading)
+        headings[k] = turn_between(heading, all_headings[j])
         vx, vy = all_velocities[j, 0], all_velocities[j, 1]
         velocities[k, 0], velocities[k, 1] = c * vx + s * vy, c * vy - s * vx
         ids[k] = all_ids[j]
@@ -214,14 +236,16 @@ def owners_of(found: int, candidates_: Ints, sources: Ints) -> None:
 
 
 @inlined
-def detected(i: int, stages: Stages, bodies: Bodies, crowd: Crowd, cells: Cells, place: Place, room: Scratch) -> int:
+def detected(
+    i: int, x: float, y: float, heading: float, stages: Stages, crowd: Crowd, cells: Cells, place: Place, room: Scratch
+) -> int:
     """Stage 2: writes the set D of member i in its body frame; returns its size."""
     perfect = stages.detection == detection.Detection.PERFECT
     sources = room.sources if perfect else room.candidates
     found = candidates(
         i,
-        bodies.positions[i, 0],
-        bodies.positions[i, 1],
+        x,
+        y,
         crowd.positions,
         crowd.ids,
         cells.members,
@@ -232,7 +256,6 @@ def detected(i: int, stages: Stages, bodies: Bodies, crowd: Crowd, cells: Cells,
         sources,
         room.seen,
     )
-    heading = bodies.headings[i]
     c, s = math.cos(heading), math.sin(heading)
     if perfect:
         turn_all(room.seen, found, c, s, room.positions)
@@ -316,34 +339,56 @@ def select(i: int, found: int, stages: Stages, minds: Minds, place: Place, room:
         for k in range(steps.shape[1]):
             if steps[set_, k] == Step.ALL:
                 continue
-            for a in range(ARGUMENTS):
+            for a in range(ARGUMENTS if stages.varied else 0):
                 at = named[set_, k, a]
                 numbers[a] = parameters[row, at] if at >= 0 else given[set_, k, a]
-            keep(steps[set_, k], numbers, positions, bearings, ids, linked, tessellated, mask)
+            own = numbers if stages.varied else given[set_, k]
+            step = steps[set_, k]
+            if step == Step.DISTANCE_BASED:
+                keep_within(positions, own[0], own[1], mask)
+            elif step == Step.ANGLE and not stages.bearings:
+                keep_cone(positions, math.cos(math.radians(own[0])) if stages.varied else own[COSINE], mask)
+            else:
+                keep(step, own, positions, bearings, ids, linked, tessellated, mask)
 
 
 @inlined
-def know_oneself(i: int, bodies: Bodies, minds: Minds, dt: float, own: Floats) -> None:
+def know_oneself(
+    i: int,
+    x: float,
+    y: float,
+    heading: float,
+    vx: float,
+    vy: float,
+    stages: Stages,
+    bodies: Bodies,
+    minds: Minds,
+    dt: float,
+    own: Floats,
+) -> None:
     """Writes what member i knows of itself, as `flocking.lawentry.packed_own` packs it."""
-    heading = bodies.headings[i]
     c, s = math.cos(heading), math.sin(heading)
-    vx, vy = bodies.velocities[i, 0], bodies.velocities[i, 1]
     own[0], own[1] = c * vx + s * vy, c * vy - s * vx
     own[2] = bodies.turn_rates[i]
     own[3] = heading
-    gx, gy = minds.goals[i, 0] - bodies.positions[i, 0], minds.goals[i, 1] - bodies.positions[i, 1]
-    own[4], own[5] = c * gx + s * gy, c * gy - s * gx
-    own[6] = 1.0 if bodies.contacts[i, 0] else 0.0
-    own[7] = 1.0 if bodies.contacts[i, 1] else 0.0
+    own[4] = own[5] = math.nan
+    if stages.goal:
+        gx, gy = minds.goals[i, 0] - x, minds.goals[i, 1] - y
+        own[4], own[5] = c * gx + s * gy, c * gy - s * gx
+    own[6] = own[7] = 0.0
+    if stages.contacts:
+        own[6] = 1.0 if bodies.contacts[i, 0] else 0.0
+        own[7] = 1.0 if bodies.contacts[i, 1] else 0.0
     own[8] = dt
     own[9] = i
-    own[10] = minds.roles[i]
+    own[10] = stages.role
 
 
 @inlined
 def decide(
     law: Callable[..., None],
     i: int,
+    row: int,
     stages: Stages,
     bodies: Bodies,
     minds: Minds,
@@ -354,15 +399,19 @@ def decide(
     dt: float,
     room: Scratch,
 ) -> bool:
-    """Stages 2 to 4 of member i; its motion is in `room.motion`. False if the law gave what it must not."""
-    know_oneself(i, bodies, minds, dt, room.own)
-    found = detected(i, stages, bodies, crowd, cells, place, room)
+    """Stages 2 to 4 of member i; its motion is in `room.motion`. False if the law gave what it must not.
+
+    `row`: where the crowd has it.
+    """
+    x, y, heading = crowd.positions[row, 0], crowd.positions[row, 1], crowd.headings[row]
+    vx, vy = crowd.velocities[row, 0], crowd.velocities[row, 1]
+    know_oneself(i, x, y, heading, vx, vy, stages, bodies, minds, dt, room.own)
+    found = detected(i, x, y, heading, stages, crowd, cells, place, room)
     blocks = 0
     if stages.obstacles or stages.avoids or stages.virtual:
-        heading = bodies.headings[i]
         blocks = obstacles_seen(
-            bodies.positions[i, 0],
-            bodies.positions[i, 1],
+            x,
+            y,
             math.cos(heading),
             math.sin(heading),
             place.walls,

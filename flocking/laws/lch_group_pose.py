@@ -39,7 +39,7 @@ FILLED = (
     Filled(
         "motion computation",
         "a member that sees nobody stays (section 4.1) or keeps its direction (section 4.2)",
-        "it stays; the parameter keeps_direction gives the other",
+        "it stays; with the parameter keeps_direction its step leads straight ahead",
     ),
 )
 HERD = Herd(spacing_m=0.5, speed_m_s=0.1, dt_s=1.0)

@@ -7,7 +7,8 @@ variation 4 (member-centric bearing). The document gives distances in units; the
 
 The step has one length whatever the distances, which are not known. Needs bearings alone.
 No neighbours: the printed variation returns the member's own place, so it stands still; section 4.2 says of the robots
-that they continue in their direction: `keeps_direction`. Unit vectors that cancel out: it stands still.
+that they continue in their direction: with `keeps_direction` it takes its step straight ahead. Unit vectors that cancel
+out: it stands still.
 """
 
 from __future__ import annotations
@@ -31,7 +32,7 @@ FILLED = (
     Filled(
         "motion computation",
         "a member that sees nobody stays (section 4.1) or keeps its direction (section 4.2)",
-        "it stays; the parameter keeps_direction gives the other",
+        "it stays; with the parameter keeps_direction its step leads straight ahead",
     ),
 )
 HERD = Herd(spacing_m=0.5, speed_m_s=0.1, dt_s=1.0)
@@ -66,8 +67,9 @@ def law(
     """Way-point: one step along the mean bearing."""
     found, x, y = mean_direction(members.bearings, sets[0])
     if found == 0:
-        kind = Kind.HOLD if parameters.keeps_direction else Kind.STOP
-        return Motion(kind, math.nan, math.nan, 0)
+        if parameters.keeps_direction:
+            return Motion(Kind.WAY_POINT, parameters.step_m, 0.0, 0)
+        return Motion(Kind.STOP, math.nan, math.nan, 0)
     if math.hypot(x, y) <= NEGLIGIBLE:
         return Motion(Kind.STOP, math.nan, math.nan, 1)
     x, y = unit(x, y)

@@ -7,7 +7,8 @@ variation 2 (member-centric pose). The document gives distances in units; they a
 
 The step is not shortened near the mean, so that a compact group keeps an extent of about d. Needs positions.
 No neighbours: the printed variation returns the member's own place, so it stands still; section 4.2 says of the robots
-that they continue in their direction: `keeps_direction`. A mean at the member's own place: it stands still.
+that they continue in their direction: with `keeps_direction` it takes its step straight ahead. A mean at the member's
+own place: it stands still.
 """
 
 from __future__ import annotations
@@ -36,7 +37,7 @@ FILLED = (
     Filled(
         "motion computation",
         "a member that sees nobody stays (section 4.1) or keeps its direction (section 4.2)",
-        "it stays; the parameter keeps_direction gives the other",
+        "it stays; with the parameter keeps_direction its step leads straight ahead",
     ),
 )
 HERD = Herd(spacing_m=0.5, speed_m_s=0.1, dt_s=1.0)
@@ -71,8 +72,9 @@ def law(
     """Way-point: one step towards the mean position."""
     found, x, y = mean_vector(members.positions, sets[0])
     if found == 0:
-        kind = Kind.HOLD if parameters.keeps_direction else Kind.STOP
-        return Motion(kind, math.nan, math.nan, 0)
+        if parameters.keeps_direction:
+            return Motion(Kind.WAY_POINT, parameters.step_m, 0.0, 0)
+        return Motion(Kind.STOP, math.nan, math.nan, 0)
     if math.hypot(x, y) <= NEGLIGIBLE_M:
         return Motion(Kind.STOP, math.nan, math.nan, 1)
     x, y = unit(x, y)

@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
+from flocking import obstacle_selection
 from flocking.avoidance import (
     Parameters,
     ahead,
@@ -54,6 +55,16 @@ class TestSelection:
     def test_no_obstacles(self) -> None:
         for mask in (within(Obstacles(NOWHERE), 1.0), nearest(Obstacles(NOWHERE)), ahead(Obstacles(NOWHERE))):
             assert mask.shape == (0,)
+
+    @pytest.mark.parametrize("text", ["all", "nearest", "within(1)", "ahead(90)", "within(1.2) & ahead(200) & nearest"])
+    def test_the_compiled_selection_keeps_what_the_plain_one_keeps(self, text: str) -> None:
+        steps = obstacle_selection.parse(text)
+        rng = np.random.default_rng(3)
+        for count in (0, 1, 12):
+            points = rng.uniform(-2.0, 2.0, (count, 2))
+            plain = obstacle_selection.select(steps, Obstacles(points)).points
+            kept = obstacle_selection.keep_selected(*obstacle_selection.program(steps), points, count)
+            assert points[:kept].tolist() == plain.tolist()
 
 
 class TestVirtualMembers:

@@ -6,9 +6,12 @@ import json
 import math
 from pathlib import Path
 
+import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 
 from flocking.errors import InputError
+from flocking.kinematic import plain
 from trials import bench, bench_kinematic
 
 
@@ -33,6 +36,16 @@ def test_every_measure_gives_finite_figures_that_are_saved_and_compared(
     assert {figure["met"] for figure in figures} <= {True, False, None}
     bench.bench(compare=saved)
     assert "before" in capsys.readouterr().out
+
+
+def test_the_flock_rewritten_in_arrays_moves_as_the_law_says() -> None:
+    band, state, dt = bench_kinematic.small_flock()
+    ours = bench_kinematic.numpy_step(state, band.law.parameters({}), dt)
+    theirs = plain.step([band], state, [np.zeros((bench_kinematic.SMALL, 0))], dt)
+    assert (ours.positions != state.positions).all()
+    # other sums in another order: some ten units of rounding of coordinates up to a hundred metres
+    assert_allclose(ours.positions, theirs.positions, rtol=0.0, atol=1e-12)
+    assert_allclose(ours.velocities, theirs.velocities, rtol=0.0, atol=1e-11)
 
 
 @pytest.mark.parametrize("text", ["", "[1]", "{}x", '[{"name": 1}]'])

@@ -102,11 +102,11 @@ def accuracy(conditions: Mapping[str, Any], exponent: float = 1.0) -> Mapping[st
 
 
 def test_accuracy_that_grows_with_the_number_of_the_informed_is_couzins() -> None:
-    assert verdicts("couzin-leaders", accuracy) == [True, True]
+    assert verdicts("couzin-leaders", accuracy) == 2 * [True, True]  # each claim at either speed
 
 
 def test_accuracy_that_knows_no_size_or_no_share_is_not() -> None:
-    assert verdicts("couzin-leaders", lambda conditions: accuracy(conditions, exponent=0.0)) == [True, False]
+    assert verdicts("couzin-leaders", lambda conditions: accuracy(conditions, exponent=0.0)) == 2 * [True, False]
     assert verdicts("couzin-leaders", lambda conditions: {"goal_alignment": 0.5})[0] is False
 
 

@@ -8,6 +8,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 
 from flocking.types import Kind
 from tests.trials.made_up_run import MadeUpRow, MadeUpRun
@@ -67,6 +68,18 @@ def test_keeping_the_command_counts_from_the_second_update_on() -> None:
     assert math.isnan(following(trial_of([]))["kept_share"])
 
 
+def test_the_turn_while_blind_begins_with_the_second_blind_update() -> None:
+    blind, seeing = (Kind.HOLD, 0, NAN, []), (Kind.WAY_POINT, 1, (0.3, 0.0), [AHEAD])
+    result = trial_of([(0.1 * k, 0, *(seeing if k in (0, 5) else blind)) for k in range(8)])
+    poses_w = np.zeros((8, 3))
+    poses_w[:, 2] = [0.0, 1.0, 3.1, -3.1, -3.0, 0.0, 0.0, 0.02]  # over the half turn from 3.1 to -3.1
+    updates = dataclasses.replace(result.updates, poses_w=poses_w)
+    found = following(dataclasses.replace(result, updates=updates))["blind_turn_rad_s"]
+    half_turn = 2.0 * math.pi - 6.2
+    # from the updates 2, 3 and 4, whose own and last one saw nobody; after 6 and 7 there is no next one
+    assert_allclose(found, (half_turn + 0.1 + 3.0) / 0.3)
+
+
 def test_the_drawn_moments() -> None:
     result = watched("viscido-snn")
     assert longest_blind(result) == (0, 2.0, 3.0)
@@ -106,7 +119,7 @@ def run_of(measures: Callable[[str], dict[str, float]]) -> MadeUpRun:
 def laid_down(law: str) -> dict[str, float]:
     follows = 0.9 if "group" in law else 0.1
     motion = {"mmd": 0.5, "polarization": 0.8, "group_speed": 0.2, "net_displacement": 5.0, "largest_share": 0.9}
-    return motion | {"kept_share": 1.0, "none_share": 0.2, "follow_share": follows, "straightness": 0.5}
+    return motion | {"blind_turn_rad_s": 0.01, "none_share": 0.2, "follow_share": follows, "straightness": 0.5}
 
 
 def test_alike_variations_that_follow_uphold_all_claims() -> None:
@@ -124,7 +137,7 @@ def test_one_variation_that_differs_in_one_measure_is_found() -> None:
 
 
 def test_group_centric_variations_that_follow_no_more_than_others_do_not_uphold_it() -> None:
-    entries = claims(run_of(lambda law: laid_down(law) | {"follow_share": 0.9, "kept_share": 0.5}))
+    entries = claims(run_of(lambda law: laid_down(law) | {"follow_share": 0.9, "blind_turn_rad_s": 0.5}))
     assert [entry.agrees for entry in entries] == [True, False, False, False]
 
 

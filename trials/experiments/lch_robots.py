@@ -30,7 +30,7 @@ KEY_MEASURES = (
     "group_speed",
     "net_displacement",
     "largest_share",
-    "kept_share",
+    "blind_turn_rad_s",
     "none_share",
     "follow_share",
 )

@@ -144,6 +144,16 @@ class TestClosedForms:
         assert kept("unoccluded(0.25)", row) == [0, 2, 3]
         assert kept("unoccluded(0.29)", row) == [0, 3]
 
+    @pytest.mark.parametrize("angle_deg", [0.0, 30.0, 90.0, 135.0, 180.0])
+    def test_a_cone_by_positions_is_an_angle_by_bearings(self, angle_deg: float) -> None:
+        positions = np.random.default_rng(5).normal(size=(500, 2))
+        positions[:4] = [[0.0, 0.0], [2.0, 0.0], [-2.0, 0.0], [0.0, 2.0]]
+        by_bearing, by_position = np.ones(500, dtype=np.bool_), np.ones(500, dtype=np.bool_)
+        perception.keep_angle(np.arctan2(positions[:, 1], positions[:, 0]), math.radians(angle_deg), by_bearing)
+        perception.keep_cone(positions, math.cos(math.radians(angle_deg)), by_position)
+        by_bearing[3] = by_position[3]  # on the border of 90 degrees both are right
+        assert_array_equal(by_position, by_bearing)
+
     def test_what_is_as_far_away_hides_nothing(self) -> None:
         ring = members_at([[3.0, 4.0], [4.0, 3.0], [5.0, 0.0], [4.0, -3.0]])
         assert kept("unoccluded(4)", ring) == [0, 1, 2, 3]

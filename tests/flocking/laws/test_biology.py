@@ -222,7 +222,8 @@ class TestLocalCrowdedHorizon:
     @pytest.mark.parametrize("name", LCH)
     def test_who_sees_nobody_stays_or_keeps_its_direction(self, name: str) -> None:
         assert decide(name, []).kind == Kind.STOP
-        assert decide(name, [], keeps_direction=True).kind == Kind.HOLD
+        ahead = decide(name, [], keeps_direction=True, step_m=0.3)
+        assert (ahead.kind, ahead.x, ahead.y) == (Kind.WAY_POINT, 0.3, 0.0)
 
 
 class TestLeadingAccordingToNeed:
