@@ -3,10 +3,11 @@
 Sameness: all six pairs of variations are equivalent in all five measures of the motion, each within its margin (two
 one-sided tests on the differences of trials of one repeat). The margins are choices: a body-length, and shares that
 would show in a drawing of four robots. Keeping the direction is measured on the robots' true headings: while one sees
-nobody it must turn by less than `STRAIGHT_RAD_S`; that its law then steers straight ahead (`keeps_direction`) is the
-document's word, and what is tested is whether wheels, latency and scans let it. Following the leader
-is measured as the share of way-points for which one member alone was selected: it must be more than half in the
-group-centric variations, and more than in the member-centric one that is told the same of the members.
+nobody, and has not for half a second (the wheels must end a turn), it must turn by less than `STRAIGHT_RAD_S`; that its
+law then steers straight ahead (`keeps_direction`) is the document's word, and what is tested is whether wheels, latency
+and scans let it. Following the leader is measured as the share of way-points for which one member alone was selected:
+it must be more than half in the group-centric variations, and more than in the member-centric one that is told the same
+of the members.
 """
 
 from __future__ import annotations
@@ -58,7 +59,7 @@ def _questions(cells: Cells) -> list[Question]:
         ),
         Question(
             source=f"{SOURCE}, claim 3, its second half (section 4.2, figure 4.3a)",
-            quantity="while nobody is seen",
+            quantity="half a second after nobody is seen any more",
             words=told[2],
             test=f"turn rate within ±{STRAIGHT_RAD_S:g} rad/s of 0 (two one-sided tests) in every variation",
             outcomes=partial(_kept, cells),

@@ -81,7 +81,7 @@ ABOUT: dict[str, Measure] = {
     "net_displacement": Measure("m", "how far the herd's centre is from its start, at the end"),
     "follow_share": Measure("", "of the way-points: share that is made from the inputs of one member alone"),
     "kept_share": Measure("", "of the updates in which nothing was detected: share that left the command as it was"),
-    "blind_turn_rad_s": Measure("rad/s", "turn rate while nothing is detected, from the second such update on, mean"),
+    "blind_turn_rad_s": Measure("rad/s", "turn rate of robots that have seen nobody for half a second, mean"),
 }
 """Every measure, in the order in which they are shown."""
 

@@ -14,6 +14,9 @@ from flocking.types import Bools, Floats, Ints, Kind, Members
 from trials.information import selections
 from trials.types import TrialResult, Updates
 
+SETTLED_S = 0.5
+"""Since somebody was last seen: scans, latency and the wheels' ramps take about 0.3 s to end a turn."""
+
 
 def followed(result: TrialResult) -> Ints:
     """(U,) the member that a way-point is made from: all inputs in the law's sets are its own; −1: there is no such."""
@@ -55,13 +58,15 @@ def following(result: TrialResult) -> dict[str, float]:
 
 
 def _blind_turn(updates: Updates) -> float:
-    """Mean turn rate, whichever way, from a robot's second update in a row that saw nobody to its next; rad/s."""
+    """Mean turn rate (rad/s), whichever way, of robots that have seen nobody for `SETTLED_S`, from update to update."""
     order = np.lexsort((updates.times, updates.robots))
     robots, times, headings = updates.robots[order], updates.times[order], updates.poses_w[order, 2]
-    blind = np.diff(updates.input_starts)[order] == 0
-    settled = (robots[2:] == robots[:-2]) & blind[:-2] & blind[1:-1]
-    turned = (headings[2:] - headings[1:-1] + math.pi) % (2.0 * math.pi) - math.pi
-    passed = times[2:][settled] - times[1:-1][settled]
+    seeing = np.diff(updates.input_starts)[order] > 0
+    first = np.append(True, robots[1:] != robots[:-1])[: len(robots)]
+    since = np.maximum.accumulate(np.where(seeing | first, np.arange(len(robots)), 0))
+    settled = (robots[1:] == robots[:-1]) & ~seeing[:-1] & (times[:-1] - times[since[:-1]] >= SETTLED_S - 1e-9)
+    turned = (headings[1:] - headings[:-1] + math.pi) % (2.0 * math.pi) - math.pi
+    passed = times[1:][settled] - times[:-1][settled]
     return float((np.abs(turned[settled]) / passed).mean()) if settled.any() else math.nan
 
 

@@ -68,16 +68,17 @@ def test_keeping_the_command_counts_from_the_second_update_on() -> None:
     assert math.isnan(following(trial_of([]))["kept_share"])
 
 
-def test_the_turn_while_blind_begins_with_the_second_blind_update() -> None:
+def test_the_turn_while_blind_begins_half_a_second_after_somebody_was_seen() -> None:
     blind, seeing = (Kind.HOLD, 0, NAN, []), (Kind.WAY_POINT, 1, (0.3, 0.0), [AHEAD])
-    result = trial_of([(0.1 * k, 0, *(seeing if k in (0, 5) else blind)) for k in range(8)])
+    result = trial_of([(0.25 * k, 0, *(seeing if k in (0, 5) else blind)) for k in range(8)])
     poses_w = np.zeros((8, 3))
     poses_w[:, 2] = [0.0, 1.0, 3.1, -3.1, -3.0, 0.0, 0.0, 0.02]  # over the half turn from 3.1 to -3.1
     updates = dataclasses.replace(result.updates, poses_w=poses_w)
     found = following(dataclasses.replace(result, updates=updates))["blind_turn_rad_s"]
     half_turn = 2.0 * math.pi - 6.2
-    # from the updates 2, 3 and 4, whose own and last one saw nobody; after 6 and 7 there is no next one
-    assert_allclose(found, (half_turn + 0.1 + 3.0) / 0.3)
+    # from the updates 2, 3 and 4; update 7, half a second after 5, has no next one
+    assert_allclose(found, (half_turn + 0.1 + 3.0) / 0.75)
+    assert math.isnan(following(trial_of([]))["blind_turn_rad_s"])
 
 
 def test_the_drawn_moments() -> None:
