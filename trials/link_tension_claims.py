@@ -149,7 +149,8 @@ def _single(label: str, values: Floats, value: float) -> Outcome:
     """The outcome that a published number could be one more of ours."""
     decision = one_more(values, value, WIDEST)
     reach = max(0.5, 0.5 * (decision.high - decision.low)) if np.isfinite(decision.high) else np.nan
-    return Outcome(label, decision, "equivalent", float(value), float(reach), True)
+    shown = decision._replace(low=max(0.0, decision.low))  # a count
+    return Outcome(label, shown, "equivalent", float(value), float(reach), True)
 
 
 def _shares(
