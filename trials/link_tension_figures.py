@@ -38,7 +38,8 @@ def figures(run: Run, folder: Path) -> list[Figure]:
     made.append(draw.save(picture, folder, "flocks", "Figures 4 and 5", FLOCKS_CAPTION + told, dots=True))
     made.append(_saved(folder, "settings", "All settings", settings(found, arm), SETTINGS_CAPTION + told))
     panels = {
-        f"{formation}, alpha 1.6, strength {STRENGTH:g}": {**arm, "formation": formation, **SETTING} for formation in NAMES
+        f"{formation}, alpha 1.6, strength {STRENGTH:g}": {**arm, "formation": formation, **SETTING}
+        for formation in NAMES
     }
     lines = {
         title: [
