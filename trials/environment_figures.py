@@ -53,7 +53,7 @@ def _square(cells: Cells, law: str, setting: Setting) -> Square | None:
     except UndecidedError:
         return Square(None, text)
     lost = [LETTERS[name] for name, outcome in zip(MEASURES, outcomes, strict=True) if outcome.decision.agrees is False]
-    return Square(verdict(outcomes), " ".join([text, *lost]))
+    return Square(verdict(outcomes), " ".join([text, "".join(lost)]).strip())
 
 
 def _numbers(cells: Cells, law: str, cell: Cell) -> str:
