@@ -14,26 +14,25 @@ from typing import NamedTuple
 from trials import law_survey
 from trials.abstraction_design import (
     ALL_TOLD,
-    DETAIL,
-    DETECTION,
-    INFORMATION,
     KEYS,
+    LCH,
     LENGTH,
     Told,
+    cell,
+    law_of,
     permits,
-    selection,
+    rule_of,
 )
 from trials.claims import Cells, Entry, Run, UndecidedError, arms, undecided
-from trials.law_judges import Cell, alike, better, both, verdict
+from trials.law_judges import IN_WORDS, Cell, alike, better, both, verdict
 from trials.law_survey import LAW
 
 SOURCE = "fine2015, section 4"
 WORDS = "information-abstracted: its behaviour does not depend on the type and detail of what it is told"
-CLAIMED_OF = ("lch-group-pose", "lch-member-pose", "lch-group-bearing", "lch-member-bearing")
 LEFT_OPEN = "whether it is information-abstracted: left open"
 TEST = (
     "in each of the conditions every measure equivalent to perfect poses (two one-sided tests, paired) and better than "
-    "random motion (t test, paired); the number is the share of conditions for which that is shown"
+    f"random motion (t test, paired); the number is the share of conditions for which that is shown; {IN_WORDS}"
 )
 
 
@@ -49,61 +48,58 @@ class Kept(NamedTuple):
 
 
 def claims(run: Run) -> list[Entry]:
-    """An entry for each law, for each arm of the run."""
+    """An entry for each rule, for each arm of the run."""
     entries = []
     for arm, trials in arms(run, KEYS):
         cells = Cells(trials, run.rows(), KEYS)
-        entries += [_entry(cells, law, arm) for law in laws_of(cells)]
+        entries += [_entry(cells, rule, arm) for rule in rules_of(cells)]
     return entries
 
 
-def laws_of(cells: Cells) -> list[str]:
-    """The laws of a run, without their controls."""
-    return [law for law in cells.levels(LAW) if law != law_survey.CONTROL]
+def rules_of(cells: Cells) -> list[str]:
+    """The rules of a run, without their controls."""
+    return list(dict.fromkeys(rule_of(law) for law in cells.levels(LAW) if law != law_survey.CONTROL))
 
 
-def kept(cells: Cells, law: str) -> list[Kept]:
-    """What becomes of a law in each condition that the run has of it. Raises `UndecidedError`."""
-    measures, best, control = law_survey.judged_by(law), cell_of(law, ALL_TOLD[0]), control_of(law)
+def kept(cells: Cells, rule: str) -> list[Kept]:
+    """What becomes of a rule in each condition that the run has of it. Raises `UndecidedError`."""
+    law, best, control = law_of(rule), cell_of(rule, ALL_TOLD[0]), control_of(rule)
     spacing_m, found = law_survey.herd_of(law).spacing_m, []
-    for told in told_of(cells, law):
-        cell = cell_of(law, told)
-        as_before = verdict(alike(cells, measures, cell, best, spacing_m))
-        flocks = verdict(better(cells, measures, cell, control, spacing_m))
+    for told in told_of(cells, rule):
+        here = cell_of(rule, told)
+        as_before = verdict(alike(cells, law_survey.judged_by(law), here, best, spacing_m))
+        flocks = verdict(better(cells, law_survey.told_apart_by(law), here, control, spacing_m))
         found.append(Kept(told, both(as_before, flocks), as_before, flocks))
     return found
 
 
-def told_of(cells: Cells, law: str) -> list[Told]:
-    """The conditions of a law that the run has."""
+def told_of(cells: Cells, rule: str) -> list[Told]:
+    """The conditions of a rule that the run has."""
     planned = {tuple(trial.conditions.get(key) for key in KEYS) for trial in cells.trials}
-    return [told for told in ALL_TOLD if permits(law, told.information, told.detail) and cell_of(law, told) in planned]
+    return [
+        told for told in ALL_TOLD if permits(rule, told.information, told.detail) and cell_of(rule, told) in planned
+    ]
 
 
-def cell_of(law: str, told: Told) -> Cell:
-    """The values of `KEYS` of a law's cell."""
-    values = {
-        LAW: law,
-        INFORMATION: told.information,
-        DETAIL: selection(law, told.information, told.detail),
-        DETECTION: told.detection,
-    }
+def cell_of(rule: str, told: Told) -> Cell:
+    """The values of `KEYS` of a rule's cell."""
+    values = cell(rule, told)
     return tuple(values.get(key) for key in KEYS)
 
 
-def control_of(law: str) -> Cell:
+def control_of(rule: str) -> Cell:
     """Likewise of its control."""
-    values = law_survey.control(law, LENGTH)
+    values = law_survey.control(law_of(rule), LENGTH)
     return tuple(values.get(key) for key in KEYS)
 
 
-def _entry(cells: Cells, law: str, arm: dict[str, object]) -> Entry:
-    measures = " and ".join(law_survey.judged_by(law))
-    quantity = f"{law}, by {measures}"
-    words = WORDS if law in CLAIMED_OF else LEFT_OPEN
+def _entry(cells: Cells, rule: str, arm: dict[str, object]) -> Entry:
+    measures = " and ".join(law_survey.judged_by(law_of(rule)))
+    quantity = f"{rule}, by {measures}"
+    words = WORDS if rule == LCH else LEFT_OPEN
     cells.begin()
     try:
-        found = kept(cells, law)
+        found = kept(cells, rule)
     except UndecidedError as why:
         return undecided(SOURCE, quantity, words, str(why), arm)
     first, less = found[0], found[1:]
@@ -121,7 +117,7 @@ def _entry(cells: Cells, law: str, arm: dict[str, object]) -> Entry:
         measured=share,
         low=math.nan,
         high=math.nan,
-        n=len(cells.values(law_survey.ORDER, *cell_of(law, ALL_TOLD[0]))),
+        n=len(cells.values(law_survey.ORDER, *cell_of(rule, ALL_TOLD[0]))),
         agrees=both(*(one.agrees for one in less)),
         test=TEST,
         margin=math.nan,

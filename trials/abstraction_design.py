@@ -3,7 +3,8 @@
 Poses are taken away by bearings alone (every input stands at an assumed distance, the law's own spacing), single
 members by the largest group of them (linked by gaps up to the law's spacing, or by the angle of figure 4.5), perfect
 detection by a laser's view of discs of a Create's proportions. Bearings alone are for the laws that read no more than
-positions.
+positions. The four LCH variations are one rule, `lch`, of which each reads by itself what one column tells; they are
+asked that and no more, and all are held against the member-centric one with poses.
 """
 
 from __future__ import annotations
@@ -23,6 +24,14 @@ POSES, BEARINGS = "poses", "bearings"
 PERFECT = DETECTIONS[0]
 MEMBER_CENTRIC, GROUP_CENTRIC = "all", "densest"
 """The second stands for a selection with the law's own threshold."""
+LCH = "lch"
+VARIATIONS = {
+    (POSES, MEMBER_CENTRIC): "lch-member-pose",
+    (POSES, GROUP_CENTRIC): "lch-group-pose",
+    (BEARINGS, MEMBER_CENTRIC): "lch-member-bearing",
+    (BEARINGS, GROUP_CENTRIC): "lch-group-bearing",
+}
+"""Of LCH, by what each reads: Fine 2015, section 4.1."""
 ANGLE_DEG = 10.0
 """Splitting threshold of bearings: Fine 2015, figure 4.5."""
 LINK = 1.0
@@ -54,40 +63,53 @@ ALL_TOLD = tuple(
 """From everything to next to nothing; the first is perfect poses."""
 
 
-def permits(law: str, information: str, detail: str = MEMBER_CENTRIC) -> bool:
-    """Whether a law can do with that."""
+def rule_of(law: str) -> str:
+    """What a law is a variation of; most are their own."""
+    return LCH if law in VARIATIONS.values() else law
+
+
+def law_of(rule: str, information: str = POSES, detail: str = MEMBER_CENTRIC) -> str:
+    """The law by which a rule does with that."""
+    return VARIATIONS[information, detail if detail == GROUP_CENTRIC else MEMBER_CENTRIC] if rule == LCH else rule
+
+
+def permits(rule: str, information: str, detail: str = MEMBER_CENTRIC) -> bool:
+    """Whether a rule can do with that."""
+    law = law_of(rule, information, detail)
     told = information == POSES or law_survey.needs(law) <= BEARINGS_ALONE
     return told and (detail == MEMBER_CENTRIC or not law_survey.tessellates(law))
 
 
-def cell(law: str, told: Told) -> dict[str, Value]:
-    """The conditions of a law that is told so much."""
+def cell(rule: str, told: Told) -> dict[str, Value]:
+    """The conditions of a rule that is told so much."""
     return {
-        LAW: law,
+        LAW: law_of(rule, told.information, told.detail),
         INFORMATION: told.information,
-        DETAIL: selection(law, told.information, told.detail),
+        DETAIL: selection(rule, told.information, told.detail),
         DETECTION: told.detection,
     }
 
 
-def selection(law: str, information: str, detail: str) -> str:
-    """The text of the selection that a level of detail means for a law; another text means itself."""
+def selection(rule: str, information: str, detail: str) -> str:
+    """The text of the selection that a level of detail means for a rule; another text means itself."""
     if detail != GROUP_CENTRIC:
         return detail
+    if rule == LCH:
+        return MEMBER_CENTRIC  # the variation's own sets hold the group alone
     if information == BEARINGS:
         return f"densest-angle({ANGLE_DEG:g})"
-    return f"densest-distance({LINK * law_survey.herd_of(law).spacing_m:g})"
+    return f"densest-distance({LINK * law_survey.herd_of(rule).spacing_m:g})"
 
 
 def cells(conditions: Mapping[str, Sequence[Any]]) -> list[dict[str, Value]]:
     """Of every law all that it permits, and the controls."""
     laws = law_survey.wanted_laws(conditions)
     found = [
-        cell(law, Told(information, detail, detection))
-        for law in laws
+        cell(rule, Told(information, detail, detection))
+        for rule in dict.fromkeys(map(rule_of, laws))
         for information in conditions[INFORMATION]
         for detail in conditions[DETAIL]
-        if permits(law, information, detail)
+        if permits(rule, information, detail) and law_of(rule, information, detail) in laws
         for detection in conditions[DETECTION]
     ]
     return found + law_survey.controls(laws, LENGTH)
@@ -101,10 +123,10 @@ def finish(trial: Trial) -> Trial:
 
 def words_left_out() -> str:
     """The laws that take no part, and those of which less is asked, with the reasons."""
-    laws = law_survey.taking_part()
+    laws = dict.fromkeys(map(rule_of, law_survey.taking_part()))
     reasons = [f"{law} ({why})" for law, why in law_survey.left_out().items()]
     whole = [law for law in laws if not permits(law, BEARINGS)]
-    cells = [law for law in laws if law_survey.tessellates(law)]
+    cells = [law for law in laws if law_survey.tessellates(law_of(law))]
     return (
         f"Left out: {'; '.join(reasons)}. Not by bearings alone, since they read headings or velocities, which "
         f"bearings do not give: {', '.join(whole)}. Not by groups, since they select by the Voronoi cells of all: "

@@ -6,8 +6,8 @@ from pathlib import Path
 
 from trials import figures as draw
 from trials import law_survey
-from trials.abstraction_claims import cell_of, control_of, kept, laws_of, told_of
-from trials.abstraction_design import ALL_TOLD, KEYS, words_left_out
+from trials.abstraction_claims import cell_of, control_of, kept, rules_of, told_of
+from trials.abstraction_design import ALL_TOLD, KEYS, law_of, words_left_out
 from trials.claims import Cells, Run, UndecidedError, arms
 from trials.figures import Figure
 from trials.law_judges import Cell, mean_of
@@ -20,7 +20,7 @@ def figures(run: Run, folder: Path) -> list[Figure]:
     """The map of the run's first arm."""
     _, trials = arms(run, KEYS)[0]
     cells = Cells(trials, run.rows(), KEYS)
-    rows = {law: _row(cells, law) for law in laws_of(cells)}
+    rows = {rule: _row(cells, rule) for rule in rules_of(cells)}
     columns = [*(told.words() for told in ALL_TOLD), CONTROL_COLUMN]
     key = "numbers: what the law is judged by (largest group's share; polarization, or MMD in spacings of the herd)"
     caption = (
@@ -32,12 +32,12 @@ def figures(run: Run, folder: Path) -> list[Figure]:
     return [draw.save(verdict_map(rows, columns, key), folder, "information", title, caption)]
 
 
-def _row(cells: Cells, law: str) -> list[Square | None]:
+def _row(cells: Cells, rule: str) -> list[Square | None]:
     try:
-        found = {one.told: one for one in kept(cells, law)}
+        found = {one.told: one for one in kept(cells, rule)}
     except UndecidedError:
         found = {}
-    there = set(told_of(cells, law))
+    there = set(told_of(cells, rule))
     squares: list[Square | None] = []
     for told in ALL_TOLD:
         if told not in there:
@@ -45,8 +45,8 @@ def _row(cells: Cells, law: str) -> list[Square | None]:
             continue
         one = found.get(told)
         agrees = None if one is None else one.flocks if told == ALL_TOLD[0] else one.agrees
-        squares.append(Square(agrees, numbers(cells, law, cell_of(law, told))))
-    return [*squares, Square(None, numbers(cells, law, control_of(law)))]
+        squares.append(Square(agrees, numbers(cells, law_of(rule), cell_of(rule, told))))
+    return [*squares, Square(None, numbers(cells, law_of(rule), control_of(rule)))]
 
 
 def numbers(cells: Cells, law: str, cell: Cell) -> str:

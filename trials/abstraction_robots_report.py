@@ -14,8 +14,8 @@ from typing import Any
 from trials import figures as draw
 from trials.claims import Cells, Entry, Run, UndecidedError, arms, undecided
 from trials.figures import Figure
-from trials.law_judges import Cell, alike, better, both, mean_of, verdict
-from trials.law_survey import CONTROL, LAW, judged_by
+from trials.law_judges import IN_WORDS, Cell, alike, better, both, mean_of, verdict
+from trials.law_survey import CONTROL, LAW, judged_by, told_apart_by
 from trials.lch_figures import VARIATIONS
 from trials.types import Value
 from trials.verdict_maps import Square, verdict_map
@@ -30,7 +30,8 @@ SOURCE = "fine2015, section 4"
 WORDS = "what members are told does not change what the group does"
 TEST = (
     "in each condition every measure equivalent to the same rule with poses from global knowledge (two one-sided "
-    "tests, paired) and better than random motion (t test, paired); the number is the share for which that is shown"
+    "tests, paired) and better than random motion (t test, paired); the number is the share for which that is shown; "
+    f"{IN_WORDS}"
 )
 
 
@@ -60,7 +61,7 @@ def kept(cells: Cells, cell: Cell) -> bool | None:
 
 def flocks(cells: Cells, cell: Cell) -> bool | None:
     """Whether it does better than random motion. Raises `UndecidedError`."""
-    measures = judged_by(str(cell[0]))
+    measures = told_apart_by(str(cell[0]))
     return verdict(better(cells, measures, cell, (CONTROL, MEMBER_CENTRIC, PERFECT), SPACING))
 
 

@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from trials import law_survey, statistics
 from trials.claims import Cells, Entry, Outcome, Run, UndecidedError, above, arms, undecided
 from trials.environment_design import BUMPER, KEYS, SETTINGS, Setting, bumper_cell, bumper_control, cell
-from trials.law_judges import MARGINS, WORDS, Cell, both, gain, no_worse, verdict
+from trials.law_judges import IN_WORDS, MARGINS, WORDS, Cell, both, gain, no_worse, verdict
 from trials.law_survey import CONTROL, LAW, ORDER, SHARE, SPREAD
 
 MEASURES = (SHARE, ORDER, SPREAD)
@@ -24,7 +24,7 @@ KEEPS = "what the environment and asynchrony do to it: not investigated"
 CONTACT = "whether flocking can come of nothing but direct contact"
 TEST = (
     "in each setting no measure worse by its margin than in free space and in step (t tests, paired); the number is "
-    "the share of settings for which that is shown"
+    f"the share of settings for which that is shown; {IN_WORDS}"
 )
 
 

@@ -17,6 +17,10 @@ from trials.claims import Cells, Outcome, UndecidedError, above, more, same
 from trials.law_survey import ORDER, SHARE, SPREAD
 
 MARGINS = {SHARE: 0.15, ORDER: 0.15, SPREAD: 0.25}
+IN_WORDS = (
+    f"margins: {MARGINS[SHARE]:g} of the share, {MARGINS[ORDER]:g} of the polarization, {MARGINS[SPREAD]:g} spacings "
+    "of the MMD"
+)
 WORDS = {SHARE: "largest group's share", ORDER: "polarization", SPREAD: "MMD in spacings, taken off"}
 Cell = tuple[object, ...]
 

@@ -3,9 +3,11 @@
 All of it follows from what a law's file declares, so that a new law joins by itself.
 
 - A law takes part if it reads something of other members and moves in the plane (not along one axis).
-- It is judged by the largest group's share if it reads where others are, and by polarization if it reads where they
-  head (headings or velocities); one that reads no heading or velocity only aggregates, and its MMD counts as well.
-- Its control is random motion at the law's speed, in the law's own herd.
+- It is judged by the largest group's share, and by polarization, or by MMD if it only aggregates: if it reads no
+  heading or velocity. Better than random motion a law must be in what it can do something about: one that reads no
+  place cannot gather anybody.
+- Its control is random motion at the law's speed, in the law's own herd; of a herd that starts at rest, at the speed
+  with which it goes as far as the others' controls.
 - A trial lasts until a member at the herd's speed has gone so many times the spacing of the start, or the most steps.
 """
 
@@ -27,6 +29,8 @@ from trials.kinematic.fields import own_herd
 from trials.types import Group, Trial, Value
 
 LAW, CONTROL = "herd.law", "random-motion"
+ORDERING = frozenset({"shimoyama"})
+"""Laws that read nothing but places and order their members all the same: these propel themselves and turn."""
 WHERE, WHITHER = frozenset({"positions", "bearings"}), frozenset({"headings", "velocities"})
 SHARE, ORDER, SPREAD = "largest_share", "polarization", "mmd"
 CONTROL_KEYS = ("herd.law.speed_m_s", "formation.spacing_m", "timestep_s", "steps", "world")
@@ -85,10 +89,13 @@ def needs(name: str) -> frozenset[str]:
 @cache
 def judged_by(name: str) -> tuple[str, ...]:
     """The measures that say whether a law's herd flocks."""
-    read = needs(name)
-    if not read & WHITHER:
-        return (SHARE, SPREAD)
-    return (SHARE, ORDER) if read & WHERE else (ORDER,)
+    return (SHARE, ORDER) if needs(name) & WHITHER or name in ORDERING else (SHARE, SPREAD)
+
+
+@cache
+def told_apart_by(name: str) -> tuple[str, ...]:
+    """Those of them in which it must be better than random motion."""
+    return judged_by(name) if needs(name) & WHERE else (ORDER,)
 
 
 def herd_of(name: str) -> Herd:
@@ -106,7 +113,9 @@ def steps(herd: Herd, length: Length) -> int:
 def control(name: str, length: Length) -> dict[str, Value]:
     """The conditions of the random motion that a law is held against: the same for laws of equal herds."""
     herd = herd_of(name)
-    given = (herd.speed_m_s, herd.spacing_m, herd.dt_s, steps(herd, length), herd.space)
+    seconds = steps(herd, length) * herd.dt_s
+    speed = herd.speed_m_s if herd.speed_m_s > 0.0 else length.spacings * herd.spacing_m / seconds
+    given = (speed, herd.spacing_m, herd.dt_s, steps(herd, length), herd.space)
     return {LAW: CONTROL, **dict(zip(CONTROL_KEYS, given, strict=True))}
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
@@ -14,9 +14,12 @@ NOISE = 1e-3
 """Standard deviation from repeat to repeat: far below every margin."""
 
 
-def made_up(experiment: str, measures: Callable[[Trial], Mapping[str, float]], **asked: object) -> MadeUpRun:
-    """A finished run of an experiment with three repeats."""
-    trials = plan(experiment, repeats=3, settings=asked).trials
+def made_up(
+    experiment: str, measures: Callable[[Trial], Mapping[str, float]], laws: Sequence[str] = (), **asked: object
+) -> MadeUpRun:
+    """A finished run of an experiment with three repeats; of some laws, or as asked."""
+    sweep = {"herd.law": list(laws)} if laws else None
+    trials = plan(experiment, repeats=3, settings=asked, sweep=sweep).trials
     rng = np.random.default_rng(4)
     rows = [
         MadeUpRow(

@@ -12,7 +12,7 @@ from flocking.errors import InputError
 from tests.trials.survey_runs import made_up
 from trials import law_survey, simulations
 from trials.abstraction_claims import claims
-from trials.abstraction_design import ALL_TOLD, BODY, KEYS, permits, words_left_out
+from trials.abstraction_design import ALL_TOLD, BODY, KEYS, LENGTH, VARIATIONS, permits, words_left_out
 from trials.abstraction_figures import figures
 from trials.abstraction_robots_report import claims as claims_of_robots
 from trials.design import plan
@@ -41,12 +41,23 @@ def test_a_law_of_the_users_own_joins(tmp_path: Path) -> None:
 def test_what_a_law_is_judged_by_follows_from_what_it_reads() -> None:
     assert law_survey.judged_by("snn") == ("largest_share", "mmd")
     assert law_survey.judged_by("couzin") == ("largest_share", "polarization")
-    assert law_survey.judged_by("vicsek") == ("polarization",)
+    assert law_survey.judged_by("vicsek") == law_survey.judged_by("shimoyama") == ("largest_share", "polarization")
+    assert law_survey.told_apart_by("vicsek") == ("polarization",)  # it does not know where anybody is
+    assert law_survey.told_apart_by("couzin") == law_survey.judged_by("couzin")
+
+
+@pytest.mark.parametrize("name", law_survey.taking_part())
+def test_every_control_goes_as_far_as_the_herds_that_it_stands_for(name: str) -> None:
+    conditions = law_survey.control(name, LENGTH)
+    way = conditions["herd.law.speed_m_s"] * conditions["steps"] * conditions["timestep_s"]
+    assert way > 0.0
+    if law_survey.herd_of(name).speed_m_s == 0.0:
+        assert way == pytest.approx(LENGTH.spacings * conditions["formation.spacing_m"])
 
 
 def test_bearings_are_for_laws_that_read_no_headings_and_groups_for_those_without_cells() -> None:
     assert permits("snn", "bearings")
-    assert permits("lch-member-bearing", "bearings")
+    assert all(permits("lch", *told) for told in VARIATIONS)
     assert not permits("vicsek", "bearings")
     assert not permits("couzin", "bearings")
     assert permits("couzin", "poses", "densest")
@@ -54,10 +65,11 @@ def test_bearings_are_for_laws_that_read_no_headings_and_groups_for_those_withou
 
 
 def test_the_cells_of_a_law_and_its_control_stand_in_its_own_herd() -> None:
-    *of_law, control = plan("information-abstraction", repeats=1, settings={"herd.law": LCH}).trials
-    herd = law_survey.herd_of(LCH)
+    *of_law, control = plan("information-abstraction", repeats=1, settings={"herd.law": "snn"}).trials
+    herd = law_survey.herd_of("snn")
     assert len(of_law) == 16
-    assert {trial.groups[0].selection for trial in of_law} == {"all", "densest-distance(0.5)", "densest-angle(10)"}
+    group = f"densest-distance({herd.spacing_m:g})"
+    assert {trial.groups[0].selection for trial in of_law} == {"all", group, "densest-angle(10)"}
     for trial in of_law:
         assert trial.groups[0].kinematics["silhouette_m"] == BODY * herd.spacing_m
         assert trial.groups[0].kinematics["assumed_distance_m"] == herd.spacing_m
@@ -65,6 +77,17 @@ def test_the_cells_of_a_law_and_its_control_stand_in_its_own_herd() -> None:
     assert control.groups[0].law == "random-motion"
     assert control.formation_parameters["spacing_m"] == control.kinematics["cut_m"] == herd.spacing_m
     assert control.groups[0].law_parameters["speed_m_s"] == herd.speed_m_s
+
+
+def test_each_variation_of_lch_is_asked_what_it_reads_by_itself() -> None:
+    *of_law, _ = plan("information-abstraction", repeats=1, sweep={"herd.law": list(VARIATIONS.values())}).trials
+    assert len(of_law) == 16
+    for trial in of_law:
+        assert trial.groups[0].selection == "all"
+        assert trial.groups[0].kinematics["information"] == trial.groups[0].law.rpartition("-")[2].replace(
+            "pose", "poses"
+        ).replace("bearing", "bearings")
+    assert len({(trial.groups[0].law, trial.groups[0].pipeline) for trial in of_law}) == 16
 
 
 def test_what_the_user_sets_stands() -> None:
@@ -100,7 +123,7 @@ def laid_down(lost: str = "", gained: str = "") -> object:
 )
 def test_a_law_is_abstracted_if_nothing_changes(lost: str, gained: str, agrees: bool, share: float) -> None:
     """Four of the fifteen conditions have that detection; a herd that is much denser is not the same either."""
-    run = made_up("information-abstraction", laid_down(lost, gained), **{"herd.law": LCH})  # type: ignore[arg-type]
+    run = made_up("information-abstraction", laid_down(lost, gained), laws=list(VARIATIONS.values()))  # type: ignore[arg-type]
     (entry,) = claims(run)
     assert entry.agrees is agrees
     assert entry.measured == share
@@ -117,9 +140,9 @@ def test_a_law_that_does_not_flock_has_nothing_to_lose() -> None:
 
 
 def test_the_map_is_drawn(tmp_path: Path) -> None:
-    run = made_up("information-abstraction", laid_down("member-based"), **{"herd.law": LCH})  # type: ignore[arg-type]
+    run = made_up("information-abstraction", laid_down("member-based"), **{"herd.law": "snn"})  # type: ignore[arg-type]
     (figure,) = figures(run, tmp_path)
-    assert LCH in figure.path.read_text()
+    assert "snn" in figure.path.read_text()
     assert "hamilton-1d" in figure.caption
 
 

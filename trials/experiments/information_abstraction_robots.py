@@ -23,7 +23,7 @@ from trials.abstraction_robots_report import (
 )
 from trials.types import Group, Trial
 
-REPEATS = 10
+REPEATS = 20
 RECORD = "first"
 CONDITIONS = {LAW: LAWS, DETAIL: (MEMBER_CENTRIC, GROUP_CENTRIC), DETECTION: DETECTIONS}
 KEY_MEASURES = ("largest_share", "mmd", "polarization", "none_share")
