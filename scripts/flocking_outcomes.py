@@ -11,10 +11,13 @@ import json
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from types import ModuleType
 
 from flocking.errors import InputError
+from trials.design import load
 from trials.report import VERDICTS, counted, report, shown_interval, shown_number
-from trials.store import opened
+from trials.store import Store, opened
+from trials.summary import cells, key_measures, mean, named
 
 PAGE = Path(__file__).parents[1] / "docs" / "flocking.md"
 BEGIN, END = "<!-- outcomes: begin", "<!-- outcomes: end -->"
@@ -43,17 +46,32 @@ def _run(folder: Path) -> list[str]:
     store = opened(folder)
     command = store.run.get("command", f"herd run {store.run['experiment']}")
     trials = counted(store)
+    experiment = load(store.run["experiment"])
+    means = [] if hasattr(experiment, "claims") else _means(store, experiment)
     store.close()
     lines = [f"### {command.removeprefix('herd run ')}", "", f"`{command}`: {trials}.", ""]
+    if means:
+        return lines + means
     lines += ["| published | quantity | measured | interval | n | verdict |", "|---|---|---|---|---|---|"]
     for entry in entries[:MOST_ROWS]:
         low, high = (float("nan") if entry[key] is None else entry[key] for key in ("low", "high"))
         measured = "-" if entry["measured"] is None else shown_number(entry["measured"])
         published = entry["published"] if entry["published"] is not None else "-"
-        cells = (published, entry["quantity"], measured, shown_interval(low, high) or "-", entry["n"] or "-")
-        lines.append(f"| {' | '.join(str(cell).replace('|', '/') for cell in cells)} | {VERDICTS[entry['agrees']]} |")
+        row = (published, entry["quantity"], measured, shown_interval(low, high) or "-", entry["n"] or "-")
+        lines.append(f"| {' | '.join(str(cell).replace('|', '/') for cell in row)} | {VERDICTS[entry['agrees']]} |")
     if len(entries) > MOST_ROWS:
         lines.append(f"\n… and {len(entries) - MOST_ROWS} more in the report.")
+    return lines
+
+
+def _means(store: Store, experiment: ModuleType) -> list[str]:
+    """The key measures of each cell of an experiment that nothing published is held against."""
+    names = key_measures(store, experiment)
+    lines = [f"| means over the repeats | {' | '.join(names)} |", f"|---{'|---' * len(names)}|"]
+    for cell in cells(store):
+        numbers = [mean(cell, name) for name in names]
+        told = [f"{shown_number(n.measured)} {shown_interval(n.low, n.high)}".strip() for n in numbers]
+        lines.append(f"| {named(cell.conditions)} | {' | '.join(told)} |")
     return lines
 
 

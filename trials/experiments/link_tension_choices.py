@@ -13,12 +13,12 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from trials.experiments import link_tension
-from trials.kinematic.lattice_starts import POSITION, VELOCITY
+from trials.kinematic.lattice_starts import BOTH, POSITION, VELOCITY
 from trials.types import Trial, Value
 
-REPEATS = 20
+REPEATS = 100
 RECORD = "none"
-CONDITIONS = {"formation": (VELOCITY, POSITION)}
+CONDITIONS = {"formation": (VELOCITY, POSITION, BOTH)}
 KEY_MEASURES = link_tension.KEY_MEASURES
 CHOICES: Mapping[str, Sequence[Value]] = {
     "herd.law.spring_per_s2": (0.25, 4.0, 16.0),
