@@ -6,13 +6,14 @@ informed want, 0 on average without them. The share is that which whole members 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from flocking.types import Floats
 from trials import figures as draw
 from trials.claims import Cells, Entry, Outcome, Question, Run, UndecidedError, answered, arms, more, published
 from trials.figures import Figure
@@ -33,7 +34,7 @@ def claims(run: Run) -> list[Entry]:
     told, entries = published("couzin2005", "figure_1"), []
     tests = (
         (
-            "for every size: accuracy at the largest share less that at the smallest with somebody informed, above 0",
+            "for every size: slope of the accuracy over all shares with somebody informed, above 0",
             _rises,
         ),
         (f"slope of the accuracy over the logarithm of the size above 0, for the shares up to {FEW:g}", _sizes),
@@ -57,9 +58,19 @@ def _rises(cells: Cells) -> list[Outcome]:
         shares = [share for share in cells.levels(SHARE) if _informed(count, share)]
         if len(shares) < 2:
             raise UndecidedError(f"the run has fewer than two shares of informed members for {count} members")
+        steps = slopes(np.array(shares), _table(cells, [(count, share) for share in shares]))
+        found.append(more(f"N {count}: slope over the share", steps, MARGIN))
         change = cells.difference(MEASURE, (count, shares[-1]), (count, shares[0]))
-        found.append(more(f"N {count}: share {shares[-1]:g} less {shares[0]:g}", change, MARGIN))
+        found.append(more(f"N {count}: share {shares[-1]:g} less {shares[0]:g}", change, MARGIN, decides=False))
     return found
+
+
+def _table(cells: Cells, wanted: Sequence[tuple[int, float]]) -> Floats:
+    """(n, K) accuracies of the repeats that have one in each of the cells."""
+    columns = [cells.values(MEASURE, *cell) for cell in wanted]
+    table = np.array([[column[repeat] for column in columns] for repeat in sorted(columns[0])])
+    whole: Floats = table[np.isfinite(table).all(axis=1)]
+    return whole
 
 
 def _sizes(cells: Cells) -> list[Outcome]:
@@ -68,9 +79,7 @@ def _sizes(cells: Cells) -> list[Outcome]:
         counts = [count for count in cells.levels(COUNT) if _informed(count, share)]
         if not 0.0 < share <= FEW or len(counts) < 2:
             continue
-        columns = [cells.values(MEASURE, count, share) for count in counts]
-        table = np.array([[column[repeat] for column in columns] for repeat in sorted(columns[0])])
-        steps = slopes(np.log10(counts), table[np.isfinite(table).all(axis=1)])
+        steps = slopes(np.log10(counts), _table(cells, [(count, share) for count in counts]))
         found.append(more(f"slope a tenfold size, share {share:g}", steps, MARGIN))
     if not found:
         raise UndecidedError(f"the run has no shares up to {FEW:g} with two sizes")

@@ -15,9 +15,15 @@ from __future__ import annotations
 from functools import partial
 from itertools import combinations
 
+import numpy as np
+
 from trials.claims import Cells, Entry, Outcome, Question, Run, above, answered, arms, more, near, published, same
 
-KEYS = ("herd.law",)
+LAW = "herd.law"
+THRESHOLDS = {"pose": ("herd.law.st_m", 0.5), "bearing": ("herd.law.st_deg", 10.0)}
+"""Of the group-centric variations: figure 4.5's, for simulated members; the robots' own are twice as wide, since the
+robots of the starting formation stand a metre apart: at half a metre each of them is a group by itself."""
+KEYS = (LAW, *(key for key, _ in THRESHOLDS.values()))
 MARGINS = {
     "mmd": ("MMD, m", 0.33),
     "polarization": ("polarization", 0.2),
@@ -34,12 +40,11 @@ SOME = 0.01
 MOST = 0.5
 DIFFERENCE = 0.1
 """Of two shares that would count as one."""
-INFORMATION = ("pose", "bearing")
 SOURCE = "fine2015 lch_claims"
 
 
 def claims(run: Run) -> list[Entry]:
-    """Four entries for each arm of the run."""
+    """Six entries for each arm of the run."""
     entries = []
     for arm, trials in arms(run, KEYS):
         cells = Cells(trials, run.rows(), KEYS)
@@ -61,45 +66,60 @@ def _questions(cells: Cells) -> list[Question]:
             source=f"{SOURCE}, claim 3, its second half (section 4.2, figure 4.3a)",
             quantity="half a second after nobody is seen any more",
             words=told[2],
-            test=f"turn rate within ±{STRAIGHT_RAD_S:g} rad/s of 0 (two one-sided tests) in every variation",
+            test=f"turn rate, mean of the variations, within ±{STRAIGHT_RAD_S:g} rad/s of 0 (two one-sided tests)",
             outcomes=partial(_kept, cells),
         ),
         *(
             Question(
                 source=f"{SOURCE}, claim 4 (section 4.2, figure 4.3b)",
-                quantity=f"way-points made from one member, {information}",
+                quantity=f"way-points made from one member, {information}{told_of}",
                 words=told[3],
                 test="share above a half, and above that of the member-centric variation (paired); both must be",
-                outcomes=partial(_following, cells, information),
+                outcomes=partial(_following, cells, information, threshold),
             )
-            for information in INFORMATION
+            for information, (key, value) in THRESHOLDS.items()
+            for threshold, told_of in ((None, ""), (value, f" with figure 4.5's {key.rsplit('.', 1)[-1]} {value:g}"))
         ),
     ]
 
 
 def _same(cells: Cells) -> list[Outcome]:
     found = []
-    for first, second in combinations(cells.levels(*KEYS), 2):
+    for first, second in combinations(laws_of(cells), 2):
         for measure, (words, margin) in MARGINS.items():
-            differences = cells.difference(measure, (first,), (second,))
+            differences = cells.difference(measure, cell(first), cell(second))
             found.append(same(f"{words}: {first} less {second}", differences, margin))
     return found
 
 
 def _kept(cells: Cells) -> list[Outcome]:
-    found = []
-    for law in cells.levels(*KEYS):
-        found.append(near(f"turn rate, rad/s, {law}", cells.array("blind_turn_rad_s", law), 0.0, STRAIGHT_RAD_S))
-        blind = cells.array("none_share", law)
+    laws = laws_of(cells)
+    turns = np.array([cells.array("blind_turn_rad_s", *cell(law)) for law in laws])
+    some = turns[:, np.isfinite(turns).any(axis=0)]  # of the repeats in which somebody saw nobody for long enough
+    found = [near("turn rate, rad/s", np.nanmean(some, axis=0), 0.0, STRAIGHT_RAD_S)]
+    for law in laws:
+        blind = cells.array("none_share", *cell(law))
         found.append(more(f"share of updates that saw nobody, {law}", blind, SOME, decides=False))
     return found
 
 
-def _following(cells: Cells, information: str) -> list[Outcome]:
+def laws_of(cells: Cells) -> list[str]:
+    """The variations that a run has with the robots' own thresholds."""
+    planned = {tuple(trial.conditions.get(key) for key in KEYS) for trial in cells.trials}
+    return [law for law in cells.levels(LAW) if cell(law) in planned]
+
+
+def cell(law: str, threshold: float | None = None) -> tuple[str | float | None, ...]:
+    """The values of `KEYS` of a variation, with the robots' own threshold or with another."""
+    return law, *(threshold if law == f"lch-group-{information}" else None for information in THRESHOLDS)
+
+
+def _following(cells: Cells, information: str, threshold: float | None) -> list[Outcome]:
     group, member = f"lch-group-{information}", f"lch-member-{information}"
-    shares = cells.array("follow_share", group)
-    more_often = cells.difference("follow_share", (group,), (member,))
-    straighter = cells.difference("straightness", (group,), (member,))
+    here, there = cell(group, threshold), cell(member)
+    shares = cells.array("follow_share", *here)
+    more_often = cells.difference("follow_share", here, there)
+    straighter = cells.difference("straightness", here, there)
     return [
         above(f"share of way-points, {group}", shares, MOST, DIFFERENCE),
         more(f"share of way-points, {group} less {member}", more_often, DIFFERENCE),

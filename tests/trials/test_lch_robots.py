@@ -17,6 +17,7 @@ from trials import simulations
 from trials.design import plan
 from trials.experiments.lch_robots import claims
 from trials.lch_figures import VARIATIONS
+from trials.lch_robots_claims import THRESHOLDS
 from trials.lch_robots_figures import longest_blind, most_followed
 from trials.measures_following import followed, following
 from trials.types import Group, TrialResult
@@ -89,9 +90,13 @@ def test_the_drawn_moments() -> None:
     assert time == 4.0
 
 
-def test_the_plan_is_forty_trials_on_the_open_floor() -> None:
+def test_the_plan_is_forty_trials_on_the_open_floor_and_twenty_with_other_thresholds() -> None:
     made = plan("lch-robots")
-    assert len(made.trials) == 40
+    assert len(made.trials) == 60
+    assert [len([t for t in made.trials if t.conditions.get(key) == value]) for key, value in THRESHOLDS.values()] == [
+        10,
+        10,
+    ]
     assert {trial.groups[0].law for trial in made.trials} == set(VARIATIONS)
     assert all(trial.groups[0].law_parameters["keeps_direction"] is True for trial in made.trials)
     assert all(
@@ -124,7 +129,7 @@ def laid_down(law: str) -> dict[str, float]:
 
 
 def test_alike_variations_that_follow_uphold_all_claims() -> None:
-    assert [entry.agrees for entry in claims(run_of(laid_down))] == [True, True, True, True]
+    assert [entry.agrees for entry in claims(run_of(laid_down))] == 6 * [True]
 
 
 def test_one_variation_that_differs_in_one_measure_is_found() -> None:
@@ -139,7 +144,7 @@ def test_one_variation_that_differs_in_one_measure_is_found() -> None:
 
 def test_group_centric_variations_that_follow_no_more_than_others_do_not_uphold_it() -> None:
     entries = claims(run_of(lambda law: laid_down(law) | {"follow_share": 0.9, "blind_turn_rad_s": 0.5}))
-    assert [entry.agrees for entry in entries] == [True, False, False, False]
+    assert [entry.agrees for entry in entries] == [True, *5 * [False]]
 
 
 def test_four_creates_for_a_moment() -> None:

@@ -2,20 +2,23 @@
 
 An open floor "that can be considered infinite". Repeat r has the same start and noise in all four variations. The
 publication gives neither the length of the trials, nor the splitting thresholds on robots, nor the step d: see the
-laws' values for Creates. A robot that sees nobody keeps its direction.
+laws' values for Creates; the group-centric variations run with figure 4.5's thresholds too. A robot that sees nobody
+keeps its direction.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from typing import Any
+
 from flocking.parameters import Parameter
 from trials.lch_figures import VARIATIONS
-from trials.lch_robots_claims import KEYS, claims
+from trials.lch_robots_claims import LAW, THRESHOLDS, claims
 from trials.lch_robots_figures import figures
-from trials.types import Group, Trial
+from trials.types import Group, Trial, Value
 
 REPEATS = 10
 RECORD = "first"
-(LAW,) = KEYS
 CONDITIONS = {LAW: VARIATIONS}
 SOURCES = {
     "world": Parameter("", "Fine 2015, section 4.2: free of obstacles, as good as infinite", published=True),
@@ -34,6 +37,16 @@ KEY_MEASURES = (
     "none_share",
     "follow_share",
 )
+
+
+def cells(conditions: Mapping[str, Sequence[Any]]) -> list[dict[str, Value]]:
+    """The variations, and the group-centric ones with the thresholds of the publication's simulation."""
+    laws = [str(law) for law in conditions[LAW]]
+    found: list[dict[str, Value]] = [{LAW: law} for law in laws]
+    for information, (key, value) in THRESHOLDS.items():
+        if f"lch-group-{information}" in laws:
+            found.append({LAW: f"lch-group-{information}", key: value})
+    return found
 
 
 def base(repeat: int) -> Trial:
