@@ -61,3 +61,5 @@ class Herd(NamedTuple):
     """Time between updates."""
     space: str = "unbounded"
     """`unbounded`, `bounded` or `periodic`; the latter two have the starting square's side."""
+    leaders: int = 0
+    """Members with role 1, for a law that tells leaders or strong members from the others."""

@@ -11,7 +11,7 @@ from trials.abstraction_design import ALL_TOLD, KEYS, law_of, words_left_out
 from trials.claims import Cells, Run, UndecidedError, arms
 from trials.figures import Figure
 from trials.law_judges import Cell, mean_of
-from trials.verdict_maps import Square, verdict_map
+from trials.verdict_maps import Square, verdict_map, without_goals
 
 CONTROL_COLUMN = "random motion"
 
@@ -26,7 +26,7 @@ def figures(run: Run, folder: Path) -> list[Figure]:
     caption = (
         "Green: shown to flock as with perfect poses and better than random motion; red: shown not to; grey: neither; "
         "white: not asked of this law. First column: better than random motion alone. Last: its control. "
-        f"{words_left_out()}"
+        f"{words_left_out()} {without_goals(trials)}"
     )
     title = "Who keeps flocking as information is taken away"
     return [draw.save(verdict_map(rows, columns, key), folder, "information", title, caption)]

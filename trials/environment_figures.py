@@ -12,7 +12,7 @@ from trials.environment_design import BUMPER, KEYS, SETTINGS, Setting
 from trials.figures import Figure
 from trials.law_judges import Cell, mean_of, verdict
 from trials.law_survey import CONTROL, LAW, SPREAD
-from trials.verdict_maps import Square, verdict_map
+from trials.verdict_maps import Square, verdict_map, without_goals
 
 LETTERS = dict(zip(MEASURES, "SPM", strict=True))
 """Of what is lost."""
@@ -35,7 +35,7 @@ def figures(run: Run, folder: Path) -> list[Figure]:
     caption = (
         "Green: shown to lose nothing against the same herd in free space and in step, the first column; red: shown to "
         "lose something; grey: neither. +: the shared avoidance is added. Last two rows: a law that knows nothing but "
-        f"its bumper, and random motion of the same body. Left out: {reasons}."
+        f"its bumper, and random motion of the same body. Left out: {reasons}. {without_goals(trials)}"
     )
     title = "What laws lose within walls, among obstacles and out of step"
     columns = [setting.words() for setting in SETTINGS]

@@ -140,7 +140,8 @@ def one_law(name: str) -> str:
         facts.append(
             (
                 "kinematic herd",
-                f"{herd.spacing_m:g} m a member, {herd.speed_m_s:g} m/s, {herd.dt_s:g} s a step, {herd.space}",
+                f"{herd.spacing_m:g} m a member, {herd.speed_m_s:g} m/s, {herd.dt_s:g} s a step, {herd.space}"
+                + (f", {herd.leaders} of role 1" if herd.leaders else ""),
             )
         )
     taxonomy, validation = getattr(law, "TAXONOMY", None), getattr(law, "VALIDATION", None)

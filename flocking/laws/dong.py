@@ -43,7 +43,7 @@ FILLED = (
     ),
     Filled("motion computation", "the weight has no unit", "a rate, 1 per second"),
 )
-HERD = Herd(spacing_m=1.0, speed_m_s=1.0, dt_s=0.02, space="unbounded")
+HERD = Herd(spacing_m=1.0, speed_m_s=1.0, dt_s=0.02, space="unbounded", leaders=1)
 CREATE = {"range_m": 3.0, "gain_per_s": 0.5}
 
 

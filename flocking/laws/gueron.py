@@ -90,8 +90,9 @@ FILLED = (
         "whether a turn of 90 degrees stays",
         "a sidestep for a member with a goal, a turn for one without",
     ),
+    Filled("motion computation", "how many members of a herd are strong", "a choice: five of a kinematic herd"),
 )
-HERD = Herd(spacing_m=3.0, speed_m_s=1.0, dt_s=0.5)
+HERD = Herd(spacing_m=3.0, speed_m_s=1.0, dt_s=0.5, leaders=5)
 CREATE = {
     "stress_length_m": 0.6,
     "stress_width_m": 0.45,

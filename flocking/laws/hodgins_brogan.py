@@ -57,7 +57,7 @@ FILLED = (
         "the velocity is cut to limit_m_s",
     ),
 )
-HERD = Herd(spacing_m=2.5, speed_m_s=2.0, dt_s=0.02)
+HERD = Herd(spacing_m=2.5, speed_m_s=2.0, dt_s=0.02, leaders=1)
 CREATE = {"range_m": 5.6, "spacing_m": 0.8, "nominal_m_s": 0.25, "limit_m_s": 0.5}
 
 

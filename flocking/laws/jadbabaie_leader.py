@@ -45,7 +45,7 @@ FILLED = (
         "the row is given as printed; a leader is a member of role 1, and there may be several",
     ),
 )
-HERD = Herd(spacing_m=0.5, speed_m_s=0.03, dt_s=1.0, space="periodic")
+HERD = Herd(spacing_m=0.5, speed_m_s=0.03, dt_s=1.0, space="periodic", leaders=1)
 CREATE = {"range_m": 2.5, "speed_m_s": 0.25}
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import math
 from collections.abc import Callable, Iterator
 
@@ -309,6 +310,7 @@ class TestDeclares:
         assert 0.0 <= herd.speed_m_s < math.inf
         assert 0.0 < herd.dt_s < math.inf
         assert herd.space in ("unbounded", "bounded", "periodic")
+        assert (herd.leaders > 0) == ("own.role" in inspect.getsource(law.module))
 
     def test_its_parameters_for_creates(self, law: Law) -> None:
         given = law.module.CREATE

@@ -1,6 +1,6 @@
 """What a kinematic trial and its groups can be given, with units and sources, and what stands for what they leave open.
 
-A value of nan is open: the herd that the law itself declares (`HERD` in its file) then gives it.
+A value of nan, or −1 leaders, is open: the herd that the law itself declares (`HERD` in its file) then gives it.
 """
 
 from __future__ import annotations
@@ -19,6 +19,10 @@ from trials.types import Group, Trial, Value
 
 OPEN = math.nan
 """Left to the law's own herd."""
+OWN_LEADERS = -1
+"""Likewise of a number of leaders."""
+LEADER = 1
+"""The role of a leader or of a strong member."""
 NO_LIMIT = 0.0
 """Of a speed, a turn rate or a range."""
 DETECTIONS = ("perfect", "member-based", "member-extrapolated", "sensor-based")
@@ -112,6 +116,9 @@ class GroupFields(NamedTuple):
     goal_x_m: Annotated[float, Parameter("m", "of the goal, from the herd's centre at the start")] = 1e9
     goal_y_m: Annotated[float, Parameter("m", "likewise; far away it is a preferred direction")] = 0.0
     role: Annotated[int, Parameter("", "0 ordinary, 1 leader or strong, for the laws that tell", low=0, high=1)] = 0
+    leaders: Annotated[
+        int, Parameter("members", f"the first so many have role 1, −1 = as many as: {_LAW}", low=OWN_LEADERS)
+    ] = OWN_LEADERS
 
 
 class SpaceParameters(NamedTuple):
@@ -274,6 +281,7 @@ def of_group(group: Group) -> GroupFields:
         look_ahead_m=_closed(fields.look_ahead_m, max(0.75 * own.spacing_m, own.speed_m_s * own.dt_s)),
         margin_m=_closed(fields.margin_m, 0.28 * own.spacing_m),
         virtual_range_m=_closed(fields.virtual_range_m, own.spacing_m),
+        leaders=min(own.leaders, group.count) if fields.leaders == OWN_LEADERS else fields.leaders,
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -33,6 +34,7 @@ class Herd:
     """All that `flocking.kinematic.simulate` needs."""
 
     bands: list[Band]
+    """One a group, or two where it has leaders: they and then the others."""
     space: Space
     poses_w: Floats
     """(N, 3) at the start."""
@@ -50,8 +52,9 @@ def assemble(trial: Trial) -> Herd:
     space = _space(trial)
     poses_w, speeds = _start(trial, space)
     centre = np.zeros(2) if space.kind == "unbounded" else np.full(2, space.size_m / 2.0)
-    bands = [_band(trial, number, centre) for number in range(len(trial.groups))]
-    kinds = [2 * g + (np.isfinite(_goals(band)).all(axis=1)) for g, band in enumerate(bands)]
+    whole = [_band(trial, number, centre) for number in range(len(trial.groups))]
+    kinds = [2 * g + (np.isfinite(_goals(band)).all(axis=1)) for g, band in enumerate(whole)]
+    bands = [part for band, group in zip(whole, trial.groups, strict=True) for part in _by_role(band, group)]
     given = fields.of_trial(trial)
     graph = _graph(given.graph, len(poses_w)) if any(map(_selects_by_graph, bands)) else None
     return Herd(bands, space, poses_w, speeds, given, graph, np.concatenate(kinds))
@@ -80,7 +83,12 @@ def check(trial: Trial) -> None:
     for group in trial.groups:
         if group.pipeline not in fields.DETECTIONS:
             raise unknown_name("pipeline", group.pipeline, fields.DETECTIONS)
-        obstacle_selection.parse(fields.of_group(group).obstacle_selection)
+        own = fields.of_group(group)
+        obstacle_selection.parse(own.obstacle_selection)
+        if own.leaders > group.count:
+            raise InputError(
+                f"{group.name}.leaders = {own.leaders}: expected at most the {group.count} members there are"
+            )
         _check_law(group)
     _start(trial, _space(trial))
 
@@ -151,6 +159,26 @@ def _band(trial: Trial, number: int, centre: Floats) -> Band:
         obstacles=given.obstacles,
         avoidance=avoidance.Parameters(given.look_ahead_m, given.margin_m, given.virtual_range_m),
     )
+
+
+def _by_role(band: Band, group: Group) -> list[Band]:
+    """A group's band, or its leaders' and the others' if it has both."""
+    leaders = fields.of_group(group).leaders
+    if leaders == 0 or band.role == fields.LEADER:
+        return [band]
+    if leaders == band.count:
+        return [dataclasses.replace(band, role=fields.LEADER)]
+    goals, each = _goals(band), band.parameters
+    return [
+        dataclasses.replace(
+            band,
+            count=len(goals[part]),
+            goals_w=goals[part],
+            parameters=each if isinstance(each, Mapping) else each[part],
+            role=role,
+        )
+        for part, role in ((slice(leaders), fields.LEADER), (slice(leaders, None), band.role))
+    ]
 
 
 def _selects_by_graph(band: Band) -> bool:
