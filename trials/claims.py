@@ -137,9 +137,12 @@ class Cells:
         self.used.clear()
 
     def levels(self, key: str) -> list[Any]:
-        """The values of a condition that the run has, in order."""
+        """The values of a condition that the run has, in order; `UndecidedError` if it varies no such thing."""
         column = self.keys.index(key)
-        return sorted({cell[column] for cell in self._planned})
+        found = {cell[column] for cell in self._planned} - {None}
+        if not found:
+            raise UndecidedError(f"the run has no trials with {key}")
+        return sorted(found)
 
     def values(self, measure: str, *cell: Any) -> dict[int, float]:
         """A measure of one cell by repeat; nan where it could not be measured or the trial failed."""

@@ -26,6 +26,8 @@ def figures(run: Run, folder: Path) -> list[Figure]:
     found, made = Finished(run), list[Figure]()
     for number, (arm, trials) in enumerate(arms(run, (LAW, COUNT, FACTOR))):
         suffix, told = (f"-{number + 1}", f" {named(arm)}.") if arm else ("", "")
+        if not _levels(trials, FACTOR):  # another formation has none
+            continue
         for factor in _levels(trials, FACTOR):
             made += _of_factor(found, folder, trials, {**arm, FACTOR: factor}, f"-{factor:g}{suffix}", told)
         laws, sizes = _levels(trials, LAW), _levels(trials, COUNT)
@@ -79,8 +81,8 @@ def _of_factor(
 
 
 def _levels(trials: Sequence[Trial], key: str) -> list[Any]:
-    """The values of a condition in order of the trials."""
-    return list(dict.fromkeys(trial.conditions[key] for trial in trials))
+    """The values of a condition in order of the trials, without those of which it is none."""
+    return list(dict.fromkeys(trial.conditions[key] for trial in trials if key in trial.conditions))
 
 
 def _speeds(factor: float) -> str:
