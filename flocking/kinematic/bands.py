@@ -28,6 +28,8 @@ KINDS = ("unbounded", "bounded", "periodic")
 DETECTIONS = {member.name.lower().replace("_", "-"): int(member) for member in detection.Detection}
 MOST_M = 1e9
 """Largest length that a member may have or assume."""
+MOST_LINKED = 5000
+"""Members for which Voronoi cells and links are kept as a square array."""
 OBSTACLES = ("as-law", "avoid", "virtual-members")
 INFORMATION = {"poses": POSES, "bearings": BEARINGS}
 
@@ -77,6 +79,24 @@ def _with_images(walls: Floats, period: float) -> Floats:
     ends = images.reshape(-1, 2, 2)
     near = (ends.max(axis=1) >= -0.5 * period).all(axis=1) & (ends.min(axis=1) <= 1.5 * period).all(axis=1)
     return np.ascontiguousarray(images[near])
+
+
+def parsed_sets(law: str, text: str, sets: Mapping[str, str], names: Sequence[str]) -> list[list[Chosen]]:
+    """The steps of each of a law's sets as `flocking.selection.parse_sets` gives them, `names` its parameters'.
+
+    Raises `InputError` for what a kinematic herd cannot select by. Compiles nothing.
+    """
+    found = selection.parse_sets(text, sets, names)
+    for steps in found:
+        if any(chosen.step is Step.VORONOI for chosen in steps[1:]):
+            raise InputError(f"law {law!r}: in a kinematic herd voronoi must come first in a selection")
+    return found
+
+
+def check_linked(count: int) -> None:
+    """Raises `InputError` for a herd of too many members for Voronoi cells or a graph."""
+    if count > MOST_LINKED:
+        raise InputError(f"{count} members: Voronoi cells and graphs are kept for at most {MOST_LINKED}")
 
 
 @dataclass(frozen=True)
@@ -154,10 +174,7 @@ class Band:
     def stages(self) -> Stages:
         """As the compiled code takes them. Raises `InputError` for what does not fit."""
         names, law = self.law.parameter_names, self.law
-        sets = selection.parse_sets(self.selection, law.sets, names)
-        for steps in sets:
-            if any(chosen.step is Step.VORONOI for chosen in steps[1:]):
-                raise InputError(f"law {law.name!r}: in a kinematic herd voronoi must come first in a selection")
+        sets = parsed_sets(law.name, self.selection, law.sets, names)
         varied = not isinstance(self.parameters, Mapping)
         program = selection.program(sets if varied else self._resolved(sets), names)
         angles = program.steps == Step.ANGLE

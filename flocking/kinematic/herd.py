@@ -15,7 +15,7 @@ import numpy as np
 
 from flocking.errors import InputError
 from flocking.kinematic.arrays import Bodies, Limits, Minds
-from flocking.kinematic.bands import Band, Space
+from flocking.kinematic.bands import Band, Space, check_linked
 from flocking.perception import Step
 from flocking.tessellation import tessellated
 from flocking.types import Bools, Floats, Ints
@@ -26,8 +26,6 @@ PIECE_S = 0.2
 """Wall time after which a kernel returns to Python, so that Ctrl-C is heard: well below half a second."""
 MOST_DRAWS = 4_000_000
 """Random numbers held at a time."""
-MOST_LINKED = 5000
-"""Members for which links are kept as a square array."""
 FIRST_LOOKS, FIRST_DECISIONS = 4_000_000, 500
 """Looks of one member at another, and decisions, in the first piece, when nobody knows yet how long they take: of the
 project's laws far below 0.1 s, and half a second of a law that needs a thousand times as long."""
@@ -161,8 +159,8 @@ class KinematicHerd:
         self.voronoi = Step.VORONOI in steps
         if Step.GRAPH in steps and graph is None:
             raise InputError("selection 'fixed-set' without ids: this herd has no graph; expected fixed-set(0, 3)")
-        if (self.voronoi or graph is not None) and count > MOST_LINKED:
-            raise InputError(f"{count} members: Voronoi cells and graphs are kept for at most {MOST_LINKED}")
+        if self.voronoi or graph is not None:
+            check_linked(count)
         parameters = np.zeros((count, max(stages.parameters for stages in self.stages)))
         goals = np.full((count, 2), np.nan)
         for band, who in zip(bands, self.members, strict=True):

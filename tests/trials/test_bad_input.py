@@ -70,6 +70,33 @@ def make_run(folder: Path) -> None:
         (["run", "vicsek-transition", "--set", "every=9999"], ["every = 9999", "at most steps"]),
         (["run", "vicsek-transition", "--set", "herd.obstacle_selection=nearst"], ["nearst", "did you mean nearest"]),
         (["run", "vicsek-transition", "--set", "herd.spread.rnge_m=0.1"], ["rnge_m", "herd.spread.range_m"]),
+        (
+            ["run", "vicsek-transition", "--law", "gregoire-1", "--set", "herd.selection=field-of-view(240)"],
+            ["gregoire-1", "voronoi must come first"],
+        ),
+        (
+            [
+                "run",
+                "lch-field-of-view",
+                "--law",
+                "gregoire-1",
+                "--sweep",
+                "herd.selection=all",
+                "--set",
+                "herd.count=5001",
+            ],
+            ["5001 members", "Voronoi cells and graphs", "at most 5000"],
+        ),
+        (
+            ["run", "vicsek-transition", "--law", "tanner-fixed", "--set", "herd.count=5001"],
+            ["5001 members", "Voronoi cells and graphs", "at most 5000"],
+        ),
+        (
+            ["run", "vicsek-transition", "--law", "conradt", "--set", "herd.law.alpha_m=9"],
+            ["distance-based(9, ", "low <= high"],
+        ),
+        (["run", "vicsek-transition", "--set", "herd.radius_m=2e9"], ["herd.radius_m", "2000000000", "to 1e+09"]),
+        (["run", "vicsek-transition", "--set", "herd.leaders=41"], ["herd.leaders = 41", "at most", "40 members"]),
         (["run", "detection-case-studdy"], ["detection-case-studdy", "did you mean detection-case-study"]),
         (["show", "nothing-like-it"], ["nothing-like-it", "detection-case-study"]),
         (["list", "lows"], ["'lows'", "'laws'"]),

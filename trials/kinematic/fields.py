@@ -11,6 +11,7 @@ from functools import cache
 from typing import Annotated, Any, NamedTuple
 
 from flocking import lawentry
+from flocking.kinematic.bands import MOST_M
 from flocking.parameters import Parameter, filled
 from flocking.taxonomy import Herd
 from trials.kinematic import lattice_starts, links
@@ -82,15 +83,17 @@ class GroupFields(NamedTuple):
     ] = OPEN
     max_speed_m_s: Annotated[float, Parameter("m/s", "a choice: 0 = no limit", low=0.0)] = NO_LIMIT
     max_turn_rate_rad_s: Annotated[float, Parameter("rad/s", "a choice: 0 = no limit", low=0.0)] = NO_LIMIT
-    radius_m: Annotated[float, Parameter("m", "a choice: 0 = points that nothing touches", low=0.0)] = 0.0
+    radius_m: Annotated[float, Parameter("m", "a choice: 0 = points that nothing touches", low=0.0, high=MOST_M)] = 0.0
     information: Annotated[
         str,
         Parameter("", "Fine 2015, section 4.1: what is known of neighbours", choices=("poses", "bearings")),
     ] = "poses"
     assumed_distance_m: Annotated[
-        float, Parameter("m", "a choice: where members stand of which only the bearing is known", low=1e-6)
+        float, Parameter("m", "a choice: where members stand of which only the bearing is known", low=1e-6, high=MOST_M)
     ] = 1.0
-    silhouette_m: Annotated[float, Parameter("m", "radius of a Create, as the detections see it", low=1e-6)] = 0.165
+    silhouette_m: Annotated[
+        float, Parameter("m", "radius of a Create, as the detections see it", low=1e-6, high=MOST_M)
+    ] = 0.165
     sight_m: Annotated[
         float, Parameter("m", "range of detections (other than perfect) and obstacles; 0 = no limit", low=0.0)
     ] = NO_LIMIT

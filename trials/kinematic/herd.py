@@ -13,7 +13,7 @@ import numpy as np
 from flocking import avoidance, lawentry, obstacle_selection, selection
 from flocking.errors import InputError, unknown_name
 from flocking.kinematic import Band, Space
-from flocking.kinematic.herd import MOST_LINKED
+from flocking.kinematic.bands import check_linked, parsed_sets
 from flocking.lawentry import OF_MEMBERS
 from flocking.parameters import declared, filled
 from flocking.perception import Step
@@ -89,16 +89,19 @@ def check(trial: Trial) -> None:
             raise InputError(
                 f"{group.name}.leaders = {own.leaders}: expected at most the {group.count} members there are"
             )
-        _check_law(group)
+        if _check_law(group) & {Step.GRAPH, Step.VORONOI}:
+            check_linked(count)
     _start(trial, _space(trial))
 
 
-def _check_law(group: Group) -> None:
-    """Refuses a law that needs what is not known, and a selection that it cannot use."""
+def _check_law(group: Group) -> set[Step]:
+    """Refuses a law that needs what is not known, and a selection that it cannot use; what it selects by."""
     module = lawentry.module_of(group.law, group.law_source)
     names = list(declared(module.Parameters))
-    filled(module.Parameters, group.law_parameters, prefix=f"{group.name}.law.")
-    selection.parse_sets(group.selection, lawentry.sets_of(module), names)
+    law = filled(module.Parameters, group.law_parameters, prefix=f"{group.name}.law.")
+    sets = parsed_sets(group.law, group.selection, lawentry.sets_of(module), names)
+    for steps in sets:
+        selection.resolved(steps, law._asdict())
     needs = frozenset(getattr(module, "NEEDS", {"positions"})) & OF_MEMBERS
     missing = needs - BEARINGS_ALONE if fields.of_group(group).information == "bearings" else frozenset()
     if missing:
@@ -106,6 +109,7 @@ def _check_law(group: Group) -> None:
             f"law {group.law!r} needs {' and '.join(sorted(missing))} of its neighbours, which bearings do not give; "
             f"expected --set {group.name}.information=poses"
         )
+    return {chosen.step for steps in sets for chosen in steps}
 
 
 def _start(trial: Trial, space: Space) -> tuple[Floats, Floats]:
@@ -188,8 +192,7 @@ def _selects_by_graph(band: Band) -> bool:
 
 def _graph(kind: str, count: int) -> Bools:
     """(N, N) links: each member to the next and the last to the first, or all to all."""
-    if count > MOST_LINKED:
-        raise InputError(f"{count} members: a graph is kept for at most {MOST_LINKED}")
+    check_linked(count)
     if kind == "complete":
         return ~np.eye(count, dtype=np.bool_)
     linked = np.zeros((count, count), dtype=np.bool_)
