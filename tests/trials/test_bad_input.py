@@ -67,7 +67,11 @@ def make_run(folder: Path) -> None:
         (["fly"], ["fly", "list, laws, show, run"]),
         (["run"], ["experiment"]),
         (["run", "vicsek-transition", "--scans", "all"], ["--scans", "no lasers"]),
-        (["run", "vicsek-transition", "--set", "every=9999"], ["every = 9999", "at most steps"]),
+        (["run", "vicsek-transition", "--set", "every=9999"], ["steps = 2000", "at least every = 9999"]),
+        (
+            ["run", "link-tension", "--set", "steps=20"],
+            ["steps = 20: expected at least every = 25", "--set every=20"],
+        ),
         (["run", "vicsek-transition", "--set", "herd.obstacle_selection=nearst"], ["nearst", "did you mean nearest"]),
         (["run", "vicsek-transition", "--set", "herd.spread.rnge_m=0.1"], ["rnge_m", "herd.spread.range_m"]),
         (

@@ -74,7 +74,10 @@ def check(trial: Trial) -> None:
     count = sum(group.count for group in trial.groups)
     every = 1 if trial.links else given.every
     if given.every > given.steps:
-        raise InputError(f"every = {given.every} of {given.steps} steps: nothing would be kept; expected at most steps")
+        raise InputError(
+            f"steps = {given.steps}: expected at least every = {given.every}, after which the first moment is kept; "
+            f"or --set every={given.steps}"
+        )
     if count * (given.steps // every + 1) > MOST_KEPT:
         raise InputError(
             f"{count} members at {given.steps // every + 1} moments: expected at most {MOST_KEPT} positions "
