@@ -1,7 +1,8 @@
 """How the hot paths are compiled: Numba, cached between runs, never stale.
 
 Numba's own cache sees only the file of the function itself: after an edit to a helper in another file it would
-return old results. So the cache's folder is named by a hash of every source file of ours.
+return old results. So the cache's folder is named by a hash of every source file of ours, and what is compiled from
+a file that is not ours, or may use one (a law), is not kept here.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from flocking.errors import InputError
 
 PACKAGES = ("flocking", "robots", "sensing")
 """Packages that may hold compiled code: a test sees to it that no other does."""
+LAWS = "flocking/laws"
 CACHE_VARIABLE = "CREATE_HERD_CACHE"
 
 
@@ -61,17 +63,26 @@ def _writable(folder: Path) -> bool:
         return False
 
 
-os.environ.setdefault("NUMBA_CACHE_DIR", str(cache_folder()))
+# also where it is set already: a folder that another state of the sources has filled would be stale
+os.environ["NUMBA_CACHE_DIR"] = str(cache_folder())
 
 import numba  # noqa: E402 (the cache's folder must be set before Numba is imported)
 
 
+def _kept(function: Callable[..., Any]) -> bool:
+    """Whether all that `function` may call is ours: it is not a user's, nor a law's, which may import a user's."""
+    home = Path(__file__).resolve().parent.parent
+    path = Path(function.__code__.co_filename).resolve()
+    ours = any(path.is_relative_to(home / package) for package in PACKAGES)
+    return ours and not path.is_relative_to(home / LAWS)
+
+
 def compiled(function: Callable[..., Any]) -> Any:
-    """`function`, compiled without Python objects on first use and cached between runs.
+    """`function`, compiled without Python objects on first use and, if it is ours, cached between runs.
 
     `.py_func` is the plain one.
     """
-    return numba.njit(cache=True, error_model="numpy")(function)
+    return numba.njit(cache=_kept(function), error_model="numpy")(function)
 
 
 def borrowing(function: Callable[..., Any]) -> Any:
@@ -79,14 +90,14 @@ def borrowing(function: Callable[..., Any]) -> Any:
 
     What such a function calls is compiled likewise, but for what is `allocating`.
     """
-    return numba.njit(cache=True, error_model="numpy", _nrt=False)(function)
+    return numba.njit(cache=_kept(function), error_model="numpy", _nrt=False)(function)
 
 
 def inlined(function: Callable[..., Any]) -> Any:
     """The same as `borrowing`, put in place of each call: for stages that hand on a great many arrays."""
-    return numba.njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)(function)
+    return numba.njit(cache=_kept(function), error_model="numpy", _nrt=False, forceinline=True)(function)
 
 
 def allocating(function: Callable[..., Any]) -> Any:
     """The same as `compiled` for what makes arrays or lists, though it may be called by what is `borrowing`."""
-    return numba.njit(cache=True, error_model="numpy", _nrt=True)(function)
+    return numba.njit(cache=_kept(function), error_model="numpy", _nrt=True)(function)

@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 
 from flocking import found
-from flocking.compilation import cache_folder
+from flocking.compilation import PACKAGES, cache_folder
 from flocking.errors import InputError
 from flocking.parameters import declared, filled
 from flocking.selection import parse_sets
@@ -318,6 +318,7 @@ def _compile(name: str, module: ModuleType, path: Path, *, boundscheck: bool) ->
 
 def _entry(module: ModuleType, path: Path, values: str, boundscheck: bool, allocates: bool) -> Callable[..., None]:
     """The law behind the entry's signature, compiled or taken from the cache."""
+    source = path.read_text(encoding="utf-8")
     text = _TEMPLATE.format(
         module=module.__name__,
         path=str(path),
@@ -325,9 +326,9 @@ def _entry(module: ModuleType, path: Path, values: str, boundscheck: bool, alloc
         values=values,
         boundscheck=boundscheck,
         allocates=allocates,
-        cached=not _foreign(module),
+        cached=not _foreign(source),
     )
-    digest = hashlib.sha256((text + path.read_text(encoding="utf-8")).encode()).hexdigest()[:16]
+    digest = hashlib.sha256((text + source + _constants(module)).encode()).hexdigest()[:16]
     entry_path = _written(f"entry_{path.stem}_{digest}", text)
     spec = importlib.util.spec_from_file_location(entry_path.stem, entry_path)
     assert spec is not None
@@ -339,14 +340,39 @@ def _entry(module: ModuleType, path: Path, values: str, boundscheck: bool, alloc
     return entry
 
 
-def _foreign(module: ModuleType) -> bool:
-    """Whether a law's module uses a helper from a file of the user's own: what is kept would not see its edits."""
-    for value in vars(module).values():
-        name = value.__name__ if isinstance(value, ModuleType) else getattr(value, "__module__", None)
-        top = str(name or "builtins").partition(".")[0]
-        if name != module.__name__ and top not in {"flocking", "numpy", "numba"} and top not in sys.stdlib_module_names:
+def _foreign(source: str, seen: frozenset[str] = frozenset()) -> bool:
+    """Whether a law's text imports a file that may change unseen: the law is then compiled anew in each process.
+
+    Files of ours change the name of the cache's folder, but those of laws may themselves import what is not ours.
+    """
+    for name in _imports(source) - seen:
+        top, *parts = name.split(".")
+        if top not in {*PACKAGES, "numpy", "numba", *sys.stdlib_module_names}:
             return True
+        if name.startswith("flocking.laws."):
+            law = Path(__file__).parent / "laws" / f"{parts[1]}.py"
+            if not law.exists() or _foreign(law.read_text(encoding="utf-8"), seen | {name}):
+                return True
     return False
+
+
+def _imports(source: str) -> set[str]:
+    """Dotted names of what a text imports, at its top or anywhere else."""
+    found = set()
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            found |= {f"{node.module}.{alias.name}" if not node.level else "." for alias in node.names}
+    return found
+
+
+def _constants(module: ModuleType) -> str:
+    """The numbers that a law's module holds, as text: they are compiled in, and may come from a file of data."""
+    held = {name: value for name, value in vars(module).items() if not name.startswith("__")}
+    plain = {name: value for name, value in held.items() if isinstance(value, (int, float, complex, np.generic))}
+    arrays = {name: (v.shape, str(v.dtype), v.tobytes()) for name, v in held.items() if isinstance(v, np.ndarray)}
+    return f"{plain!r} {arrays!r}"
 
 
 def _written(stem: str, text: str) -> Path:

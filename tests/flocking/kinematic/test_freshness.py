@@ -46,6 +46,28 @@ from flocking.compilation import compiled
 def factor():
     return {value}
 """
+OUTER = """
+from flocking.compilation import compiled
+from helper_of_a_user import factor
+
+
+@compiled
+def twice():
+    return 2.0 * factor()
+"""
+DECIDE = """
+import math
+import numpy as np
+from flocking import lawentry
+from flocking.types import NO_OBSTACLES, Members, Own
+
+law = lawentry.load("akama-naruse")
+own = Own(np.zeros(2), 0.0, math.nan, np.zeros(2), np.zeros(2, dtype=bool), 0.1, 0, 0)
+at, nothing = np.array([[7.0, 0.0]]), np.zeros(0)
+members = Members(at, np.zeros(1), np.zeros(1), np.zeros((1, 2)), np.ones(1, dtype=np.int64))
+print(law.decide(own, members, np.ones((1, 1), dtype=bool), NO_OBSTACLES, law.parameters({}), nothing, nothing).x)
+"""
+"""One neighbour, at rest: the acceleration goes by the unit vector towards it alone."""
 CALL = """
 import sys
 import numpy as np
@@ -64,6 +86,19 @@ def moved(law: Path) -> float:
     done = subprocess.run(
         [sys.executable, "-c", CALL, str(law)],
         env={**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT), str(law.parent)])},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    return float(done.stdout)
+
+
+def decided(packages: Path, cache: Path) -> float:
+    """What a law decides in a fresh process that runs the packages in that folder."""
+    done = subprocess.run(
+        [sys.executable, "-c", DECIDE],
+        env={**os.environ, "PYTHONPATH": str(packages), compilation.CACHE_VARIABLE: str(cache)},
+        cwd=packages,
         capture_output=True,
         text=True,
         check=True,
@@ -105,8 +140,53 @@ def test_a_users_law_after_edits_of_the_users_helper(tmp_path: Path, uses: tuple
         assert moved(file) == 2.0 * value
 
 
-def test_the_kernel_is_kept_where_every_edit_leads_elsewhere(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    "uses",
+    [
+        ("from constants_of_a_user import FACTOR", "FACTOR"),
+        ("import constants_of_a_user", "constants_of_a_user.FACTOR"),
+        ("import numpy as np\nFACTOR = np.loadtxt({data!r}, ndmin=1)", "FACTOR[0]"),
+        ("FACTOR = float(open({data!r}).read())", "FACTOR"),
+    ],
+)
+def test_a_users_law_after_edits_of_a_number_in_another_file(tmp_path: Path, uses: tuple[str, str]) -> None:
+    file, constants, data = tmp_path / "mine.py", tmp_path / "constants_of_a_user.py", tmp_path / "factor.txt"
+    file.write_text(text(imported=uses[0].format(data=str(data)), factor=uses[1]))
+    for value in (1.0, 7.0):
+        constants.write_text(f"FACTOR = {value}\n")
+        data.write_text(f"{value}\n")
+        assert moved(file) == 2.0 * value
+
+
+@pytest.mark.parametrize("outer_in_the_law", [True, False])
+def test_a_users_law_after_edits_of_a_helper_of_a_helper(tmp_path: Path, outer_in_the_law: bool) -> None:
+    file, outer, inner = tmp_path / "mine.py", tmp_path / "outer_helper.py", tmp_path / "helper_of_a_user.py"
+    outer.write_text(OUTER)
+    imported = OUTER if outer_in_the_law else "from outer_helper import twice"
+    file.write_text(text(imported=imported, factor="twice()"))
+    for value in (1.0, 7.0):
+        inner.write_text(HELPER.format(value=value))
+        assert moved(file) == 4.0 * value
+
+
+def test_a_law_of_the_project_after_an_edit_of_its_helper(tmp_path: Path) -> None:
+    """In a copy of the packages; with one cache. A unit vector twice as long is a spring twice as strong."""
+    for package in compilation.PACKAGES:
+        shutil.copytree(ROOT / package, tmp_path / package, ignore=shutil.ignore_patterns("__pycache__"))
+    terms = tmp_path / "flocking/terms.py"
+    plain = terms.read_text()
+    cache = tmp_path / "cache"
+    before = decided(tmp_path, cache)
+    assert before != 0.0
+    terms.write_text(plain.replace("return x / length, y / length", "return 2.0 * x / length, 2.0 * y / length"))
+    assert terms.read_text() != plain
+    assert decided(tmp_path, cache) == pytest.approx(2.0 * before, rel=1e-12)  # rounding
+    assert len([folder for folder in cache.iterdir() if folder.is_dir()]) == 2
+
+
+def test_the_kernel_is_kept_where_every_edit_leads_elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The folder's name is a hash of all sources: of laws, of their helpers, and of the kernel's own parts."""
+    monkeypatch.setenv("NUMBA_CACHE_DIR", os.environ["NUMBA_CACHE_DIR"])  # which the copies below change
     kept = Path(kernel.synchronous.stats.cache_path)
     assert compilation.sources_digest() in kept.parts
     for package in compilation.PACKAGES:
