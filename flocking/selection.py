@@ -245,7 +245,7 @@ def parse_sets(text: str, sets: Mapping[str, str], parameters: Iterable[str] = (
         first = parse(text, known)
         return [first + parse(own, known) for own in sets.values()]
     chosen = dict(sets)
-    for part in text.split(";"):
+    for part in filter(str.strip, text.split(";")):
         name, _, own = part.partition(":")
         if name.strip() not in sets:
             raise unknown_name("set of the law", name.strip(), sets)

@@ -19,6 +19,7 @@ from trials.claims import Cells, Entry, Outcome, Question, Run, UndecidedError, 
 from trials.figures import Figure
 from trials.kinematic.figures import Curve, curve_of, curves
 from trials.statistics import slopes
+from trials.summary import named
 
 COUNT, SHARE, SPEED = "herd.count", "herd.informed_share", "herd.law.speed_m_s"
 KEYS = (COUNT, SHARE)
@@ -90,12 +91,14 @@ def figures(run: Run, folder: Path) -> list[Figure]:
     """Accuracy against the true share of informed members, a line for each size."""
     panels = {}
     for arm, trials in arms(run, KEYS):
-        name = ", ".join(["accuracy", *(f"{key.rsplit('.', 1)[-1]} {value}" for key, value in arm.items())])
+        others = {key: value for key, value in arm.items() if key != SPEED}
+        speed = f"at {arm[SPEED]:g} m/s" if SPEED in arm else ""
+        name = ", ".join(filter(None, [f"accuracy {speed}".strip(), named(others) if others else ""]))
         panels[name] = [
             _curve(run, count, arm)
             for count in sorted({int(trial.conditions[COUNT]) for trial in trials if COUNT in trial.conditions})
         ]
-    canvas = curves(panels, "share of informed members", bounds=(-0.6, 1.02))
+    canvas = curves(panels, "share of informed members", bounds=(-1.02, 1.02))
     caption = (
         "Mean over the repeats with its 95 % interval, at the shares that whole members make. As figure 1 of "
         "Couzin et al. 2005; the speed is a choice, and decides."

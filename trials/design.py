@@ -104,7 +104,15 @@ def plan(
                 continue
             key = f"{group.name}.{field}"
             if key in settings or key in arm_values:
-                raise InputError(f"--{field} {name_given} and {key} = {settings.get(key)!r}: expected one of the two")
+                other = f"--set {key}={settings[key]}" if key in settings else f"--sweep {key}"
+                raise InputError(f"--{field} {name_given} and {other}: expected one of the two")
+            if field == "law" and name_given.endswith(simulations.AVOIDS) and f"{group.name}.obstacles" in settings:
+                given = settings[f"{group.name}.obstacles"]
+                raise InputError(
+                    f"--law {name_given} and --set {group.name}.obstacles={given}: expected one of the two"
+                )
+            if field == "body" and simulations.is_kinematic(module.base(1)):
+                raise InputError(f"--body {name_given}: {name} has no bodies; expected an experiment on robots")
             settings[key] = name_given
     for key in [key for key in settings if key in conditions]:
         conditions[key] = [settings.pop(key)]
@@ -115,7 +123,10 @@ def plan(
     designs = [(arm, _cells(module, settings, arm, conditions, notes)) for arm in arms]
     total = repeats * sum(len(cells) for _, cells in designs)
     if total > MAX_TRIALS:
-        raise InputError(f"{total} trials: expected at most {MAX_TRIALS}")
+        most = MAX_TRIALS * repeats // total
+        raise InputError(
+            f"{total} trials by --repeats {repeats}: expected at most {MAX_TRIALS}, as by --repeats {most}"
+        )
     placed = _placed(module, settings, [{**arm, **cell} for arm, cells in designs for cell in cells], notes)
     trials: list[Trial] = []
     for repeat in range(1, repeats + 1):

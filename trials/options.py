@@ -67,7 +67,8 @@ def _split(option: str, text: str, what: str) -> tuple[str, str]:
     key, equals, value = text.partition("=")
     key, value = key.strip(), value.strip()
     if not equals or not _KEY.fullmatch(key) or not value:
-        raise InputError(f"{option} {text!r}: expected KEY={what}, as in herd.law.repulsion_m=0.5")
+        example = "herd.count=10,20" if "," in what else "herd.count=10"
+        raise InputError(f"{option} {text!r}: expected KEY={what}, as in {example}")
     return key, value
 
 
@@ -85,7 +86,9 @@ def _value(given: str, text: str) -> Any:
     except tomllib.TOMLDecodeError:
         if _WORD.fullmatch(text):
             return text
-        raise InputError(f'{given}: {text!r} is not a TOML value (0.5, true, "text")') from None
+        raise InputError(
+            f'{given}: {text!r} is no TOML value; expected as in 0.5, true, nearest or "nearest & all"'
+        ) from None
 
 
 def _values(given: str, text: str) -> list[Any]:

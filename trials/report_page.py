@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import re
+import sys
 from collections.abc import Mapping, Sequence
 from html import escape
 from importlib import resources
@@ -18,6 +19,7 @@ from trials.figures import Figure
 from trials.report import VERDICTS, arms_of, counted, shown_interval, shown_number, verdicts
 from trials.store import write_whole
 from trials.summary import Cell, cells, key_measures, mean, named
+from trials.worker import one_line
 
 PAGE = "report.html"
 CLASSES = {True: "holds", False: "fails", None: "open"}
@@ -57,7 +59,12 @@ def write(
 
 def _figures(store: Any, module: Any, folder: Path, found: Sequence[Cell]) -> list[Figure]:
     """The experiment's own figures, then the measures by cell, which every experiment has."""
-    own: list[Figure] = module.figures(store, folder) if hasattr(module, "figures") else []
+    own: list[Figure] = []
+    if hasattr(module, "figures"):
+        try:
+            own = module.figures(store, folder)
+        except (ValueError, OverflowError) as error:  # numbers that no axis takes: the tables still stand
+            print(f"herd: the figures could not be drawn: {one_line(str(error))}", file=sys.stderr)
     names = [name for name in key_measures(store, module) if any(name in cell.measures for cell in found)]
     if names:
         canvas = draw.measures_by_cell(found, names, about(store.trials))

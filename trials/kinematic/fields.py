@@ -128,7 +128,8 @@ class SpaceParameters(NamedTuple):
     """A square with walls around it (bounded), or whose opposite sides are one (periodic)."""
 
     size_m: Annotated[
-        float, Parameter("m", f"side of the square; {_LAW}, its spacing times the root of the count", low=1e-6)
+        float,
+        Parameter("m", f"side of the square; {_LAW}, its spacing times the root of the count", low=1e-6, high=1e9),
     ] = OPEN
 
 
@@ -136,7 +137,8 @@ class ObstacleParameters(NamedTuple):
     """A bounded square with pieces of wall scattered in it."""
 
     size_m: Annotated[
-        float, Parameter("m", f"side of the square; {_LAW}, its spacing times the root of the count", low=1e-6)
+        float,
+        Parameter("m", f"side of the square; {_LAW}, its spacing times the root of the count", low=1e-6, high=1e9),
     ] = OPEN
     walls: Annotated[
         int, Parameter("", "a choice: straight pieces, uniformly placed and turned", low=0, high=10_000)
@@ -147,9 +149,9 @@ class ObstacleParameters(NamedTuple):
 class UniformParameters(NamedTuple):
     """Uniformly over the whole of a sized world, or over a square in unbounded space."""
 
-    spacing_m: Annotated[float, Parameter("m", f"side of that square over the root of the count; {_LAW}", low=1e-6)] = (
-        OPEN
-    )
+    spacing_m: Annotated[
+        float, Parameter("m", f"side of that square over the root of the count; {_LAW}", low=1e-6, high=1e9)
+    ] = OPEN
     heading_spread_deg: Annotated[
         float, Parameter("deg", "headings are drawn within ± this; 180 = all", low=0.0, high=180.0)
     ] = 180.0
@@ -163,7 +165,7 @@ class SplitParameters(NamedTuple):
     """Two equal groups side by side along x, each uniformly over a square."""
 
     spacing_m: Annotated[
-        float, Parameter("m", f"side of a group's square over the root of its count; {_LAW}", low=1e-6)
+        float, Parameter("m", f"side of a group's square over the root of its count; {_LAW}", low=1e-6, high=1e9)
     ] = OPEN
     gap_m: Annotated[
         float, Parameter("m", "between the groups' centres: twice the spread that table 4.1 gives two groups", low=0.0)
@@ -176,7 +178,7 @@ class SplitParameters(NamedTuple):
 class LatticeParameters(NamedTuple):
     """A lattice of squares or of equilateral triangles, centred, as square as the count permits."""
 
-    spacing_m: Annotated[float, Parameter("m", f"between neighbours; {_LAW}", low=1e-6)] = OPEN
+    spacing_m: Annotated[float, Parameter("m", f"between neighbours; {_LAW}", low=1e-6, high=1e9)] = OPEN
     jitter_m: Annotated[float, Parameter("m", "a choice: shifts are drawn within ± this in x and y", low=0.0)] = 0.0
     heading_spread_deg: Annotated[
         float, Parameter("deg", "headings are drawn within ± this; 180 = all", low=0.0, high=180.0)
