@@ -29,7 +29,7 @@ def figures(run: Run, folder: Path) -> list[Figure]:
         f"{words_left_out()} {without_goals(trials)}"
     )
     title = "Who keeps flocking as information is taken away"
-    return [draw.save(verdict_map(rows, columns, key), folder, "information", title, caption)]
+    return [draw.save(verdict_map(rows, columns, key), folder, "information", title, caption.rstrip())]
 
 
 def _row(cells: Cells, rule: str) -> list[Square | None]:

@@ -39,7 +39,7 @@ def figures(run: Run, folder: Path) -> list[Figure]:
     )
     title = "What laws lose within walls, among obstacles and out of step"
     columns = [setting.words() for setting in SETTINGS]
-    return [draw.save(verdict_map(rows, columns, key), folder, "environment", title, caption)]
+    return [draw.save(verdict_map(rows, columns, key), folder, "environment", title, caption.rstrip())]
 
 
 def _square(cells: Cells, law: str, setting: Setting) -> Square | None:

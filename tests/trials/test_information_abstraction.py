@@ -146,6 +146,16 @@ def test_the_map_is_drawn(tmp_path: Path) -> None:
     assert "hamilton-1d" in figure.caption
 
 
+def test_the_map_names_the_laws_that_have_a_goal_and_are_given_none(tmp_path: Path) -> None:
+    asked = {"herd.law": "conradt", "herd.selection": "all"}
+    run = made_up("information-abstraction", lambda trial: CROWD, **asked)
+    (figure,) = figures(run, tmp_path)
+    assert figure.caption.endswith("Of the laws with goals, these run without one here: conradt.")
+    informed = made_up("information-abstraction", lambda trial: CROWD, **asked, **{"herd.informed_share": 0.2})
+    (figure,) = figures(informed, tmp_path)
+    assert "with goals" not in figure.caption
+
+
 def test_one_real_trial_keeps_its_ends_alone() -> None:
     trial = plan("information-abstraction", repeats=1, settings={"herd.law": LCH, "steps": 5}).trials[3]
     result = simulations.run_trial(trial, reraise=True)
