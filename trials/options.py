@@ -87,7 +87,7 @@ def _value(given: str, text: str) -> Any:
         if _WORD.fullmatch(text):
             return text
         raise InputError(
-            f'{given}: {text!r} is no TOML value; expected as in 0.5, true, nearest or "nearest & all"'
+            f'{given}: {text!r} is not a TOML value; expected as in 0.5, true, nearest or "nearest & all"'
         ) from None
 
 
