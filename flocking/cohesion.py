@@ -13,6 +13,9 @@ from flocking.compilation import compiled
 from flocking.terms import unit
 from flocking.types import Bools, Floats
 
+ORDER = ("core_m at most equilibrium_m", "equilibrium_m below attraction_m")
+"""What the laws' distances must keep to (their `RELATIONS`)."""
+
 
 @compiled
 def spring(distance: float, equilibrium: float, attraction: float) -> float:

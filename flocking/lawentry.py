@@ -24,7 +24,7 @@ import numpy as np
 from flocking import found
 from flocking.compilation import PACKAGES, cache_folder
 from flocking.errors import InputError
-from flocking.parameters import declared, filled
+from flocking.parameters import Relation, declared, filled, relation
 from flocking.selection import parse_sets
 from flocking.taxonomy import Filled, Herd, Taxonomy, Validation
 from flocking.types import Bools, Floats, Kind, Members, Motion, Obstacles, Own
@@ -146,7 +146,7 @@ class Law:
 
     def parameters(self, given: Mapping[str, Any]) -> Any:
         """The law's `Parameters` with the given values, checked."""
-        return filled(self.module.Parameters, given, prefix="law.")
+        return parameters_of(self.name, self.module, given)
 
     def decide(
         self,
@@ -220,6 +220,27 @@ def sets_of(module: ModuleType) -> dict[str, str]:
 def needs_of(module: ModuleType) -> frozenset[str]:
     """What a law's module says that it needs: positions, where it does not say."""
     return frozenset(getattr(module, "NEEDS", {"positions"}))
+
+
+def relations_of(module: ModuleType) -> tuple[Relation, ...]:
+    """What a law's module says must hold between its parameters. Raises `InputError`."""
+    words = getattr(module, "RELATIONS", ())
+    if not isinstance(words, tuple | list):
+        raise InputError(f"RELATIONS = {words!r}: expected a tuple of words, as in ('core_m below range_m',)")
+    return tuple(relation(each, module.Parameters) for each in words)
+
+
+def parameters_of(name: str, module: ModuleType, given: Mapping[str, Any], prefix: str = "law.") -> Any:
+    """A law's `Parameters` with the given values.
+
+    Raises `InputError` for a value out of its bounds, and for values that the law's relations rule out together.
+    """
+    values = filled(module.Parameters, given, prefix)
+    for each in relations_of(module):
+        if not each.holds(values):
+            told = " and ".join(f"{prefix}{parameter} = {getattr(values, parameter)!r}" for parameter in each.names)
+            raise InputError(f"law {name!r}: {told}: expected {each.words}")
+    return values
 
 
 def room_of(name: str, module: ModuleType) -> tuple[int, int]:

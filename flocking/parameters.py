@@ -5,13 +5,17 @@ fields are annotated with a `Parameter`. The default stands there and nowhere el
 
     class Parameters(NamedTuple):
         repulsion_m: Annotated[float, Parameter("m", "Fine 2015, section 2.1.1", low=0.0)] = 0.66
+
+What must hold between parameters is said in words, as in "core_m at most equilibrium_m" or "gain below 1" (`relation`).
 """
 
 from __future__ import annotations
 
 import difflib
 import math
-from collections.abc import Mapping
+import operator
+import re
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cache
 from types import MappingProxyType
@@ -31,6 +35,12 @@ class Parameter:
     low: float = -math.inf
     high: float = math.inf
     choices: tuple[str, ...] = ()
+
+
+COMPARISONS: Mapping[str, Callable[[Any, Any], bool]] = MappingProxyType(
+    {"below": operator.lt, "at most": operator.le, "above": operator.gt, "at least": operator.ge}
+)
+_RELATION = re.compile(rf"(\w+) ({'|'.join(COMPARISONS)}) (\S+)")
 
 
 class Declared(NamedTuple):
@@ -90,6 +100,43 @@ def filled(parameters: type, given: Mapping[str, Any], prefix: str = "") -> Any:
 
             raise unknown_name("parameter", f"{prefix}{name}", [f"{prefix}{k}" for k in known])
     return parameters(**{name: checked(f"{prefix}{name}", value, known[name]) for name, value in given.items()})
+
+
+class Relation(NamedTuple):
+    """What must hold of one parameter and another, or a number."""
+
+    words: str
+    left: str
+    right: str | float
+    compare: Callable[[Any, Any], bool]
+
+    @property
+    def names(self) -> list[str]:
+        """The parameters that it relates."""
+        return [side for side in (self.left, self.right) if isinstance(side, str)]
+
+    def holds(self, values: Any) -> bool:
+        """Whether it holds of these parameters."""
+        right = getattr(values, self.right) if isinstance(self.right, str) else self.right
+        return self.compare(getattr(values, self.left), right)
+
+
+def relation(words: str, parameters: type) -> Relation:
+    """The relation between two parameters, or one and a number, in words. Raises `InputError`."""
+    known = declared(parameters)
+    found = _RELATION.fullmatch(words) if isinstance(words, str) else None
+    if found and found[1] in known:
+        left, comparison, right = found.groups()
+        if right in known:
+            return Relation(words, left, right, COMPARISONS[comparison])
+        try:
+            return Relation(words, left, float(right), COMPARISONS[comparison])
+        except ValueError:
+            pass
+    raise InputError(
+        f"relation {words!r}: expected NAME {' or '.join(COMPARISONS)} another NAME or a number, "
+        f"with NAME of {', '.join(known) or 'no parameters'}"
+    )
 
 
 def _unit(about: Parameter) -> str:

@@ -234,12 +234,13 @@ def check(trial: Trial) -> None:
     `InputError`.
     """
     ticks(SAMPLE_S, trial.timestep_s, "the time between samples", at_least=1)
-    for group in trial.groups:
+    for number, group in enumerate(trial.groups):
         clock(group, trial.timestep_s)
         found.load(PIPELINE, group.pipeline, "pipeline")
         found.load(BODY, group.body, "body")
         laser_parameters(group)
         information.check(group)
+        spread.check(trial, number, information.parameters_of(group)._asdict())
         ObstacleStage(group, frozenset())
     module = found.load(WORLD, trial.world, "world")
     free_length = module.free_length(filled(module.Parameters, trial.world_parameters, prefix="world."))

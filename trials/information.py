@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 from flocking import found, lawentry, selection
 from flocking.errors import InputError, unknown_name
-from flocking.parameters import declared, filled
+from flocking.parameters import declared
 from flocking.perception import Step
 from trials.knowledge import SOURCES
 from trials.obstacle_stage import AS_LAW, CHOICES
@@ -53,7 +53,8 @@ def given(pipeline: ModuleType) -> frozenset[str]:
 def parameters_of(group: Group) -> Any:
     """The values with which a group of Creates runs its law: given, else for Creates, else the law's own."""
     module = lawentry.module_of(group.law, group.law_source)
-    return filled(module.Parameters, for_creates(module, group.law_parameters), prefix=f"{group.name}.law.")
+    given = for_creates(module, group.law_parameters)
+    return lawentry.parameters_of(group.law, module, given, f"{group.name}.law.")
 
 
 def for_creates(law: ModuleType, given: Mapping[str, Any]) -> dict[str, Any]:

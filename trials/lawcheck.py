@@ -111,15 +111,22 @@ def try_out(path: str) -> None:
 
 
 def _values(module: ModuleType, path: str) -> list[Any]:
-    """The parameters' defaults, and their values for Creates where these differ; each must be within its bounds."""
-    from flocking.parameters import checked, declared, filled
+    """The parameters' defaults, and their values for Creates where these differ.
 
+    Each must be within its bounds, and all as the law's relations have it.
+    """
+    from flocking import lawentry
+    from flocking.parameters import declared, filled
+
+    usual = {name: parameter.default for name, parameter in declared(module.Parameters).items()}
     try:
-        usual = {name: checked(f"law.{name}", d.default, d) for name, d in declared(module.Parameters).items()}
-        creates = filled(module.Parameters, {**usual, **getattr(module, "CREATE", {})}, prefix="law.")
+        for_creates = {**usual, **getattr(module, "CREATE", {})}
+        for given in (usual, for_creates):
+            filled(module.Parameters, given, prefix="law.")
+        lawentry.relations_of(module)
     except (InputError, TypeError) as error:
         raise InputError(f"law file {path!r}: {error}") from None
-    values = module.Parameters(**usual)
+    values, creates = (lawentry.parameters_of(path, module, given) for given in (usual, for_creates))
     return [values] if values == creates else [values, creates]
 
 

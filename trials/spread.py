@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from flocking import lawentry
-from flocking.errors import unknown_name
+from flocking.errors import InputError, unknown_name
 from flocking.parameters import Declared, Parameter, checked, declared
 from trials.rows import Row
 from trials.streams import Purpose, stream
@@ -41,10 +41,12 @@ def rows(group: Group) -> list[Row]:
 def parameters(trial: Trial, number: int, member: int, usual: Mapping[str, Any]) -> dict[str, Any]:
     """The law's parameters of one member of a trial's group of that number, from those that are `usual` in it.
 
-    A value stays within its parameter's bounds; whole numbers are rounded.
+    A value stays within its parameter's bounds; whole numbers are rounded. Raises `InputError`, naming the spread, for
+    values that the law's relations rule out together.
     """
     group = trial.groups[number]
-    known = declared(lawentry.module_of(group.law, group.law_source).Parameters)
+    law = lawentry.module_of(group.law, group.law_source)
+    known = declared(law.Parameters)
     u = stream(trial.seed, trial.repeat, number + 1, member, Purpose.PARAMETERS).random(len(known))
     own = dict(usual)
     for draw, (name, parameter) in zip(u, known.items(), strict=True):
@@ -52,4 +54,17 @@ def parameters(trial: Trial, number: int, member: int, usual: Mapping[str, Any])
             value = usual.get(name, parameter.default) * (1.0 + group.spread[name] * (2.0 * draw - 1.0))
             value = float(np.clip(value, parameter.about.low, parameter.about.high))
             own[name] = round(value) if parameter.type is int else value
+    try:
+        lawentry.parameters_of(group.law, law, own, f"{group.name}.law.")
+    except InputError as error:
+        drawn = " and ".join(f"{row.key} = {row.value:g}" for row in rows(group))
+        raise InputError(f"{error}, which {drawn} breaks for member {member + 1}") from None
     return own
+
+
+def check(trial: Trial, number: int, usual: Mapping[str, Any]) -> None:
+    """Refuses the spread of a trial's group if it gives any member values that its law's relations rule out."""
+    group = trial.groups[number]
+    if group.spread and lawentry.relations_of(lawentry.module_of(group.law, group.law_source)):
+        for member in range(group.count):
+            parameters(trial, number, member, usual)

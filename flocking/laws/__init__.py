@@ -12,6 +12,9 @@ A law's file holds
   (`flocking.selection`), in which the law's own parameters may stand for numbers; one set of all members if absent;
 - optionally `MEMORY` (how many numbers it keeps from call to call, zeros at first) and `DRAWS` (how many uniform random
   numbers in [0, 1) each call is handed). A mirrored world mirrors each draw u to 1 - u;
+- optionally `RELATIONS`, a tuple of what must hold between its parameters for it to make sense, in words: NAME, then
+  below, at most, above or at least, then another NAME or a number, as in "core_m at most equilibrium_m". Values that
+  break one are refused, whether given, for Creates or drawn for a member;
 - optionally `CHIRAL` (a mirrored world does not mirror its motion) and `AXIS` (it moves along the world's x axis only);
 - for the laws of the literature `TAXONOMY`, `VALIDATION`, `FILLED` and `HERD` (`flocking.taxonomy`), and `CREATE`, the
   parameter values with which iRobot Creates run it;

@@ -25,6 +25,7 @@ SOURCE = "Akama and Naruse 2014"
 NEEDS = frozenset({"positions", "velocities"})
 RULES = ("none", "flock")
 SETS = {"neighbours": "distance-based(0, range_m)"}
+RELATIONS = ("length_m at most range_m",)
 TAXONOMY = Taxonomy("homogeneous", "idealized", "discrete", "member", False, True, True, False)
 VALIDATION = Validation("S", True, "global", "global", "-", "unbounded free")
 FILLED = (

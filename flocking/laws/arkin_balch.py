@@ -34,6 +34,11 @@ MEMORY = 2
 DIRECTION, UPDATES_LEFT = range(2)
 DRAWS = 1
 CHIRAL = True
+RELATIONS = (
+    "obstacle_least_m at most obstacle_sphere_m",
+    "robot_least_m at most robot_sphere_m",
+    "dead_m at most controlled_m",
+)
 
 LINE, COLUMN, WEDGE, DIAMOND = range(4)
 TABLE = "Balch and Arkin 1998, parameters of the simulations"

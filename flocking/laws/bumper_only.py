@@ -29,6 +29,7 @@ STRAIGHT, WAITING, BACKING, TURNING = range(4)
 MEMORY = 4
 WAIT_LEFT, BACK_LEFT, TURN_LEFT, PATIENCE = range(4)
 DRAWS = 2
+RELATIONS = ("turn_least_rad at most turn_most_rad",)
 
 OURS = "our choice: the question has no numbers"
 ENOUGH_RAD = 1e-6

@@ -19,7 +19,7 @@ from __future__ import annotations
 import math
 from typing import Annotated, NamedTuple
 
-from flocking.cohesion import pair_forces
+from flocking.cohesion import ORDER, pair_forces
 from flocking.parameters import Parameter
 from flocking.taxonomy import Filled, Herd, Taxonomy, Validation
 from flocking.terms import mean_vector, unit
@@ -28,6 +28,7 @@ from flocking.types import Bools, Floats, Kind, Members, Motion, Obstacles, Own
 NEEDS = frozenset({"positions", "velocities"})
 RULES = ("alone", "flock", "hard core")
 SETS = {"neighbours": "voronoi & distance-based(0, range_m)"}
+RELATIONS = ORDER
 DRAWS = 1
 
 TAXONOMY = Taxonomy("homogeneous", "idealized", "discrete", "member", False, True, True, False)

@@ -29,6 +29,7 @@ from flocking.types import Bools, Floats, Kind, Members, Motion, Obstacles, Own
 NEEDS = frozenset({"positions", "velocities", "goal"})
 RULES = ("alone", "apart", "together", "target")
 SETS = {"repulsion": "distance-based(0, alpha_m)", "attraction": "distance-based(alpha_m, beta_m)"}
+RELATIONS = ("alpha_m at most beta_m",)
 TAXONOMY = Taxonomy("heterogeneous", "idealized", "continuous", "member", False, True, True, False)
 VALIDATION = Validation("S", True, "global", "global", "global", "unbounded free")
 FILLED = (

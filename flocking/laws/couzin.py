@@ -36,6 +36,7 @@ SOURCE = "Couzin et al. 2005"
 NEEDS = frozenset({"positions", "velocities", "goal"})
 RULES = ("alone", "apart", "together", "informed")
 SETS = {"repulsion": "distance-based(0, alpha_m)", "interaction": "distance-based(0, rho_m)"}
+RELATIONS = ("alpha_m at most rho_m",)
 DRAWS = 1
 TAXONOMY = Taxonomy("heterogeneous", "idealized", "discrete", "member", False, True, True, False)
 VALIDATION = Validation("S", True, "global", "global", "global", "unbounded free")

@@ -25,6 +25,7 @@ SOURCE = "Gazi and Passino 2003"
 NEEDS = frozenset({"positions"})
 RULES = ("none", "aggregate")
 SETS = {"neighbours": "all"}
+RELATIONS = ("attraction_per_s above 0", "attraction_per_s below repulsion_per_s")
 TAXONOMY = Taxonomy("homogeneous", "idealized", "discrete", "member", False, True, True, True)
 VALIDATION = Validation("M", True, "global", "-", "-", "-")
 FILLED = (

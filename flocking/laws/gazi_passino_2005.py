@@ -28,6 +28,7 @@ SOURCE = "Gazi and Passino 2005"
 NEEDS = frozenset({"positions", "ids", "compass"})
 RULES = ("first", "between", "last")
 SETS = {"row": "all"}
+RELATIONS = ("width_m below spacing_m", "gain above 0", "gain below 1")
 AXIS = True
 CHIRAL = True
 TAXONOMY = Taxonomy("homogeneous", "idealized", "discrete", "-", True, True, False, False)

@@ -26,6 +26,7 @@ SOURCE = "Gökçe and Şahin 2009"
 NEEDS = frozenset({"positions", "headings", "obstacles", "goal"})
 RULES = ("alone", "flock", "home", "flock home")
 SETS = {"heard": "distance-based(0, range_m)", "sensed": "distance-based(0, sensed_m)"}
+RELATIONS = ("touching_m below sensed_m",)
 DRAWS = 1
 TAXONOMY = Taxonomy("heterogeneous", "constrained", "discrete", "all", False, True, True, True)
 VALIDATION = Validation("SP", False, "global", "-", "local", "bounded free")

@@ -22,7 +22,7 @@ import math
 from typing import Annotated, NamedTuple
 
 from flocking.angles import wrap
-from flocking.cohesion import pair_forces
+from flocking.cohesion import ORDER, pair_forces
 from flocking.parameters import Parameter
 from flocking.taxonomy import Filled, Herd, Taxonomy, Validation
 from flocking.terms import mean_direction
@@ -31,6 +31,7 @@ from flocking.types import Bools, Floats, Kind, Members, Motion, Obstacles, Own
 NEEDS = frozenset({"positions", "headings"})
 RULES = ("flock", "hard core")
 SETS = {"neighbours": "voronoi & distance-based(0, range_m)"}
+RELATIONS = ORDER
 DRAWS = 1
 
 TAXONOMY = Taxonomy("homogeneous", "idealized", "discrete", "member", False, True, False, True)

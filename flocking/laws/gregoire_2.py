@@ -14,7 +14,7 @@ from __future__ import annotations
 import math
 from typing import Annotated, NamedTuple
 
-from flocking.cohesion import pair_forces
+from flocking.cohesion import ORDER, pair_forces
 from flocking.laws.gregoire_1 import FILLED as FORCE_FILLED
 from flocking.laws.gregoire_1 import PUBLICATION, SAME_GROUP
 from flocking.parameters import Parameter
@@ -25,6 +25,7 @@ from flocking.types import Bools, Floats, Kind, Members, Motion, Obstacles, Own
 NEEDS = frozenset({"positions", "headings"})
 RULES = ("flock", "hard core")
 SETS = {"neighbours": "voronoi & distance-based(0, range_m)"}
+RELATIONS = ORDER
 DRAWS = 1
 
 TAXONOMY = Taxonomy("homogeneous", "idealized", "discrete", "member", False, True, False, True)

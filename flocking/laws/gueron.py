@@ -60,6 +60,7 @@ RULES = (
     "lead",
 )
 SETS = {"neighbours": "distance-based(0, attraction_m)"}
+RELATIONS = ("neutral_m at most attraction_m",)
 TAXONOMY = Taxonomy("heterogeneous", "idealized", "discrete", "member", False, True, False, False)
 VALIDATION = Validation("S", True, "local", "global", "global", "unbounded free")
 FILLED = (

@@ -32,6 +32,7 @@ CONTROLLED_BY_USER = 1
 NEEDS = frozenset({"positions", "velocities", "goal"})
 RULES = ("none", "herd", "user", "herd of the user")
 SETS = {"visible": "distance-based(0, range_m) & k-nearest(visible)"}
+RELATIONS = ("spacing_m at most range_m",)
 TAXONOMY = Taxonomy("homogeneous", "idealized", "discrete", "all", False, True, True, False)
 VALIDATION = Validation("S", True, "global", "global", "-", "unbounded obstacles")
 FILLED = (

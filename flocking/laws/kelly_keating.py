@@ -35,6 +35,7 @@ SETS = {
     "distant": "distance-based(flock_m, sight_m) & angle(ahead_deg)",
 }
 NEAR, FLOCK, DISTANT = range(3)
+RELATIONS = ("flock_m at most sight_m", "speed_m_s at most fast_m_s")
 LEADING, AVOIDING, KEEPING, CATCHING_UP = range(4)
 DRAWS = 2
 

@@ -30,6 +30,7 @@ from flocking.types import Bools, Floats, Kind, Members, Motion, Obstacles, Own
 NEEDS = frozenset({"positions", "velocities"})
 RULES = ("straight ahead", "flock", "turn away", "danger")
 SETS = {"seen": "distance-based(0, range_m) & field-of-view(view_deg)"}
+RELATIONS = ("danger_m at most ideal_m", "least_m_s at most top_m_s")
 STRAIGHT, FLOCK, AWAY, DANGER = range(4)
 MEMORY = 2
 SPEED, STARTED = range(2)

@@ -29,6 +29,7 @@ SOURCE = "Olfati-Saber 2006"
 NEEDS = frozenset({"positions", "velocities", "goal"})
 RULES = ("none", "flock", "goal", "flock to goal")
 SETS = {"neighbours": "distance-based(0, range_m)"}
+RELATIONS = ("spacing_m at most range_m",)
 TAXONOMY = Taxonomy("homogeneous", "idealized", "discrete", "all", False, True, False, True)
 VALIDATION = Validation("MS", True, "global", "global", "global", "unbounded obstacles")
 FILLED = (

@@ -28,6 +28,7 @@ SOURCE = "Tanner, Jadbabaie and Pappas 2003, part I"
 NEEDS = frozenset({"positions", "velocities"})
 RULES = ("none", "flock")
 SETS = {"neighbours": "fixed-set"}
+RELATIONS = ("closest_m below spacing_m",)
 TAXONOMY = Taxonomy("homogeneous", "idealized", "continuous", "member", True, True, True, True)
 VALIDATION = Validation("MS", True, "global", "global", "global", "bounded free")
 FILLED = (

@@ -25,6 +25,7 @@ SOURCE = "Tanner, Jadbabaie and Pappas 2003, part II"
 NEEDS = frozenset({"positions", "velocities"})
 RULES = ("none", "flock")
 SETS = {"neighbours": "distance-based(0, range_m)"}
+RELATIONS = ("closest_m below spacing_m", "spacing_m at most range_m")
 TAXONOMY = Taxonomy("homogeneous", "idealized", "continuous", "member", False, True, True, True)
 VALIDATION = Validation("MS", True, "global", "global", "global", "unbounded free")
 FILLED = (

@@ -33,6 +33,7 @@ TOO_SHORT = 1e-12
 NEEDS = frozenset({"positions", "headings", "obstacles"})
 RULES = ("alone", "align", "proximal", "align and proximal")
 SETS = {"heard": "distance-based(0, range_m)", "sensed": "distance-based(0, sensed_m)"}
+RELATIONS = ("touching_m below sensed_m",)
 DRAWS = 1
 TAXONOMY = Taxonomy("homogeneous", "constrained", "discrete", "all", False, True, True, False)
 VALIDATION = Validation("SP", False, "global", "-", "local", "bounded free")

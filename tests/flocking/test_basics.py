@@ -15,7 +15,7 @@ import pytest
 from flocking import found, lawentry, selection
 from flocking.angles import wrap
 from flocking.errors import InputError
-from flocking.parameters import Parameter, filled
+from flocking.parameters import Parameter, filled, relation
 from flocking.types import members_at
 
 ROOT = Path(lawentry.__file__).parents[1]
@@ -52,6 +52,27 @@ class TestParameters:
     def test_errors_name_the_value_and_the_bounds(self, given: dict[str, object], words: str) -> None:
         with pytest.raises(InputError, match=words):
             filled(Parameters, given)
+
+
+class TestRelations:
+    @pytest.mark.parametrize(
+        ("words", "names", "holding"),
+        [
+            ("distance_m below count", ["distance_m", "count"], [True, False, False]),
+            ("distance_m at most count", ["distance_m", "count"], [True, True, False]),
+            ("distance_m above 1", ["distance_m"], [False, False, True]),
+            ("distance_m at least 1", ["distance_m"], [False, True, True]),
+        ],
+    )
+    def test_the_words_are_what_is_compared(self, words: str, names: list[str], holding: list[bool]) -> None:
+        found = relation(words, Parameters)
+        assert found.names == names
+        assert [found.holds(Parameters(distance_m=value, count=1)) for value in (0.5, 1.0, 1.5)] == holding
+
+    @pytest.mark.parametrize("words", ["distance_m < count", "distanse_m below 1", "distance_m below cuont", "", 3])
+    def test_other_words_are_refused(self, words: str) -> None:
+        with pytest.raises(InputError, match=r"expected NAME below .* with NAME of distance_m, count"):
+            relation(words, Parameters)
 
 
 class TestAngles:

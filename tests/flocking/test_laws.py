@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import itertools
 import math
 from collections.abc import Callable, Iterator
 
@@ -11,8 +12,9 @@ import pytest
 from numpy.testing import assert_allclose
 
 from flocking import lawentry, selection
+from flocking.errors import InputError
 from flocking.lawentry import Law
-from flocking.parameters import declared
+from flocking.parameters import Relation, declared
 from flocking.perception import Step
 from flocking.taxonomy import Filled, Herd, Taxonomy, Validation
 from flocking.types import Floats, Kind, Motion
@@ -247,6 +249,23 @@ class TestLimits:
                 assert pair(law, scene, farthest * (1.0 - 1e-9), bearing=0.6).sets.any()
 
 
+def breaking(law: Law, relation: Relation) -> dict[str, float]:
+    """Values within their bounds that break this relation of the law and no other."""
+    known = declared(law.module.Parameters)
+    others = [each for each in lawentry.relations_of(law.module) if each != relation]
+    tried = []
+    for name in relation.names:
+        about, usual = known[name].about, known[name].default
+        values = (about.low, about.high, usual, 0.01 * usual, 100.0 * usual, 1.0)
+        tried.append([value for value in values if math.isfinite(value) and about.low <= value <= about.high])
+    for values in itertools.product(*tried):
+        given = dict(zip(relation.names, values, strict=True))
+        made = law.module.Parameters(**given)
+        if not relation.holds(made) and all(each.holds(made) for each in others):
+            return given
+    raise AssertionError(f"nothing breaks {relation.words}")
+
+
 class TestDeclares:
     """What a law's file says about itself."""
 
@@ -317,6 +336,18 @@ class TestDeclares:
         parameters = law.parameters(given)._asdict()
         assert {name: parameters[name] for name in given} == given
         assert all(parameters[name] <= 0.5 for name in parameters if name.endswith("speed_m_s"))
+
+    def test_what_its_relations_rule_out_is_refused(self, law: Law) -> None:
+        """The defaults and the values for Creates keep to them: the tests above would fail otherwise."""
+        for relation in lawentry.relations_of(law.module):
+            given = breaking(law, relation)
+            with pytest.raises(InputError) as refused:
+                law.parameters(given)
+            said = str(refused.value)
+            assert said.startswith(f"law {law.name!r}: ")
+            assert said.endswith(f": expected {relation.words}")
+            assert all(f"law.{name} = {given[name]!r}" in said for name in relation.names)
+            assert "\n" not in said
 
     def test_its_sets(self, law: Law) -> None:
         steps = selection.parse_sets("all", law.sets, law.parameter_names)

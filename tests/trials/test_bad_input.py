@@ -162,8 +162,28 @@ def make_run(folder: Path) -> None:
             ["'repulson'", "did you mean repulsion"],
         ),
         (
-            [*RUN, "--law", "conradt", "--set", "herd.law.alpha_m=9"],
+            [*RUN, "--law", "conradt", "--set", 'herd.selection="attraction: distance-based(9, beta_m)"'],
             ["distance-based(9, ", "low <= high"],
+        ),
+        (
+            ["run", "vicsek-transition", "--set", 'herd.selection="neighbours: distance-based(9, range_m)"'],
+            ["distance-based(9, ", "low <= high"],
+        ),
+        (
+            [*RUN, "--law", "gazi-passino-2003", "--set", "herd.law.attraction_per_s=20"],
+            ["'gazi-passino-2003'", "herd.law.attraction_per_s = 20", "attraction_per_s below repulsion_per_s"],
+        ),
+        (
+            ["run", "link-tension", "--set", "herd.law.length_m=5"],
+            ["'akama-naruse'", "herd.law.length_m = 5.0 and herd.law.range_m = 1.3", "length_m at most range_m"],
+        ),
+        (
+            [*RUN, "--law", "olfati-saber", "--set", "herd.spread.spacing_m=0.9"],
+            ["spacing_m at most range_m", "herd.spread.spacing_m = 0.9", "member "],
+        ),
+        (
+            ["run", "link-tension", "--set", "herd.spread.length_m=0.9"],
+            ["length_m at most range_m", "herd.spread.length_m = 0.9", "member "],
         ),
         ([*RUN, "--law", "vicsek", "--set", "herd.law.range_m=-1"], ["herd.law.range_m", "-1", "at least 0"]),
         ([*RUN, "--set", "herd.obstacles=avoids"], ["herd.obstacles", "'avoids'", "did you mean avoid"]),
@@ -236,6 +256,11 @@ def test_bad_words(refused, words: list[str], expected: list[str]) -> None:
         ),
         (LAW_HEAD + "    return Motion(Kind.STOP, 0.0, 0.0, 0)\nSETS = {'near': 'k-nearest(-1)'}\n", "at least 1"),
         (LAW_HEAD + "    return Motion(Kind.STOP, 0.0, 0.0, 0)\nNEEDS = {'smells'}\n", "smells"),
+        (
+            LAW_HEAD + "    return Motion(Kind.STOP, 0.0, 0.0, 0)\nRELATIONS = ('a < b',)\n",
+            "relation 'a < b': expected NAME",
+        ),
+        (LAW_HEAD + "    return Motion(Kind.STOP, 0.0, 0.0, 0)\nRELATIONS = 'a < b'\n", "expected a tuple of words"),
         (LAW_HEAD + "    return Motion(Kind.STOP, 0.0, 0.0, 0)\nCREATE = {'range_m': 1.0}\n", "range_m"),
         (
             (LAW_HEAD + "    return Motion(Kind.STOP, 0.0, 0.0, 0)\n")

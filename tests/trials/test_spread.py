@@ -71,6 +71,19 @@ def test_robots_too_have_values_of_their_own() -> None:
     assert len({tuple(robot.law_parameters) for robot in apart}) == len(apart)
 
 
+def test_members_whose_values_rule_each_other_out_are_refused_before_the_trial_runs() -> None:
+    """Ranges of 1.2 m, a fifth to either side, stay above springs of 0.9 m; half to either side they do not."""
+    law = {"range_m": 1.2, "length_m": 0.9}
+    trial = fields.trial("made-up", 1, [fields.group("akama-naruse", MEMBERS, law_parameters=law)], steps=5)
+    near = simulations.put(trial, "herd.spread.range_m", 0.2)
+    simulations.check(near)
+    assert values(near, "range_m").min() > 0.9
+    far = simulations.put(trial, "herd.spread.range_m", 0.5)
+    for refuse in (simulations.check, assemble):
+        with pytest.raises(InputError, match=r"length_m at most range_m, which herd.spread.range_m = 0.5 breaks for"):
+            refuse(far)
+
+
 @pytest.mark.parametrize(
     ("key", "value", "said"),
     [

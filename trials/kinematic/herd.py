@@ -15,7 +15,6 @@ from flocking.errors import InputError, unknown_name
 from flocking.kinematic import Band, Space
 from flocking.kinematic.bands import check_linked, parsed_sets
 from flocking.lawentry import OF_MEMBERS
-from flocking.parameters import declared, filled
 from flocking.perception import Step
 from flocking.types import Bools, Floats, Ints
 from trials import spread
@@ -83,7 +82,7 @@ def check(trial: Trial) -> None:
             f"{count} members at {given.steps // every + 1} moments: expected at most {MOST_KEPT} positions "
             f"to keep, as with --set every={math.ceil(count * given.steps / MOST_KEPT)}"
         )
-    for group in trial.groups:
+    for number, group in enumerate(trial.groups):
         if group.pipeline not in fields.DETECTIONS:
             raise unknown_name("pipeline", group.pipeline, fields.DETECTIONS)
         own = fields.of_group(group)
@@ -94,17 +93,17 @@ def check(trial: Trial) -> None:
             )
         if _check_law(group) & {Step.GRAPH, Step.VORONOI}:
             check_linked(count)
+        spread.check(trial, number, group.law_parameters)
     _start(trial, _space(trial))
 
 
 def _check_law(group: Group) -> set[Step]:
     """Refuses a law that needs what is not known, and a selection that it cannot use; what it selects by."""
     module = lawentry.module_of(group.law, group.law_source)
-    names = list(declared(module.Parameters))
-    law = filled(module.Parameters, group.law_parameters, prefix=f"{group.name}.law.")
-    sets = parsed_sets(group.law, group.selection, lawentry.sets_of(module), names)
+    values = lawentry.parameters_of(group.law, module, group.law_parameters, f"{group.name}.law.")._asdict()
+    sets = parsed_sets(group.law, group.selection, lawentry.sets_of(module), list(values))
     for steps in sets:
-        selection.resolved(steps, law._asdict())
+        selection.resolved(steps, values)
     needs = frozenset(getattr(module, "NEEDS", {"positions"})) & OF_MEMBERS
     missing = needs - BEARINGS_ALONE if fields.of_group(group).information == "bearings" else frozenset()
     if missing:
