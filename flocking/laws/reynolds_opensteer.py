@@ -8,8 +8,8 @@ member divided by their length, once more for the weight of distance; a the mean
 minus the own one; c the mean position of the cohesion set. The force is cut at its maximum, the speed at its.
 
 Reads positions and headings. No neighbours: no force, the boid keeps its velocity. Obstacles are left to the avoidance
-that all laws share; OpenSteer has one of its own. Deviation: OpenSteer counts members within three radii whatever their
-bearing; here the angle limits them too. The row lists the members' velocity, which the rules do not read.
+that all laws share; OpenSteer has one of its own. OpenSteer counts members within three radii whatever their bearing;
+here the angle limits them too (`FILLED`). The row lists the members' velocity, which the rules do not read.
 """
 
 from __future__ import annotations
@@ -80,6 +80,11 @@ FILLED = (
         "neighbour selection",
         "table 3.3 prints one radius for all three urges",
         "a radius and an angle for each, as in OpenSteer",
+    ),
+    Filled(
+        "neighbour selection",
+        "OpenSteer counts members within three radii whatever their bearing",
+        "the angle limits them too: who is right behind is not kept away from",
     ),
     Filled("physical motion", "table 3.3 calls the sum a velocity", "a steering force on unit mass, as in OpenSteer"),
 )

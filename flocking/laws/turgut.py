@@ -11,7 +11,8 @@ speed is u_max times the cosine of the turn to the desired heading, and 0 for mo
 
 Needs positions, headings and obstacles. Nobody heard: the own heading takes the place of h, so that a member alone
 moves straight on at full speed.
-The noise turns all headings of one call alike, as an error of the member's own compass does.
+The noise turns all headings of one call alike, as an error of the member's own compass does, and so does not average
+out over the neighbours (`FILLED`).
 """
 
 from __future__ import annotations
@@ -60,6 +61,11 @@ FILLED = (
         "the noise's mean in table A.1 is a sum of headings",
         "a vector of length noise at a normal angle to the heading heard, added to it, as in the original",
         misprint=True,
+    ),
+    Filled(
+        "motion computation",
+        "each heading that is heard has a noise of its own, as far as is known; the formula in table A.1 is garbled",
+        "one draw turns all alike, since a law's draws have a fixed number: noise does not average over the neighbours",
     ),
     Filled(
         "motion computation",
