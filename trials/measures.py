@@ -80,7 +80,6 @@ ABOUT: dict[str, Measure] = {
     "largest_share": Measure("", "share of the robots in the largest group (1.32 m), mean over the second half"),
     "net_displacement": Measure("m", "how far the herd's centre is from its start, at the end"),
     "follow_share": Measure("", "of the way-points: share that is made from the inputs of one member alone"),
-    "kept_share": Measure("", "of the updates in which nothing was detected: share that left the command as it was"),
     "blind_turn_rad_s": Measure("rad/s", "turn rate of robots that have seen nobody for half a second, mean"),
 }
 """Every measure, in the order in which they are shown."""

@@ -36,23 +36,11 @@ def followed(result: TrialResult) -> Ints:
     return chosen
 
 
-def unchanged(updates: Updates) -> Bools:
-    """(U,) whether the robot's command is the one of its update before; false for its first."""
-    order = np.lexsort((updates.times, updates.robots))
-    robots, commands = updates.robots[order], updates.commands[order]
-    same = (robots[1:] == robots[:-1]) & (commands[1:] == commands[:-1]).all(axis=1)
-    found = np.zeros(len(order), dtype=np.bool_)
-    found[order[1:]] = same
-    return found
-
-
 def following(result: TrialResult) -> dict[str, float]:
-    """Shares of updates; nan where there were none to measure on."""
+    """What robots do; nan where there were no updates to measure on."""
     updates = result.updates
-    blind = (np.diff(updates.input_starts) == 0) & ~_first_of_each(updates)
     return {
         "follow_share": _share(followed(result) >= 0, updates.kinds == Kind.WAY_POINT),
-        "kept_share": _share(unchanged(updates), blind),
         "blind_turn_rad_s": _blind_turn(updates),
     }
 
@@ -99,13 +87,6 @@ def _chosen(positions: Floats, owners: Ints, sets: list[list[selection.Chosen]])
     for steps in sets:
         kept |= selection.select(steps, members)
     return kept
-
-
-def _first_of_each(updates: Updates) -> Bools:
-    order = np.argsort(updates.times, kind="stable")
-    found = np.zeros(len(order), dtype=np.bool_)
-    found[order[np.unique(updates.robots[order], return_index=True)[1]]] = True
-    return found
 
 
 def _share(of: Bools, among: Bools) -> float:

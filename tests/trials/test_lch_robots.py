@@ -38,9 +38,7 @@ def watched(law: str) -> TrialResult:
         ],
         robots=3,
     )
-    commands = np.array([[0.25, 0], [0.25, 0], [0.25, 0], [0.2, 0.1], [0.2, -0.1], [0.1, -0.1]])
-    trial = dataclasses.replace(result.trial, groups=(Group(count=3, law=law),))
-    return dataclasses.replace(result, trial=trial, updates=dataclasses.replace(result.updates, commands=commands))
+    return dataclasses.replace(result, trial=dataclasses.replace(result.trial, groups=(Group(count=3, law=law),)))
 
 
 @pytest.mark.parametrize(
@@ -53,6 +51,10 @@ def test_the_member_followed_is_the_one_selected_alone(law: str, whom: list[int]
     assert following(result)["follow_share"] == sum(k >= 0 for k in whom) / 2
 
 
+def test_without_updates_there_is_nothing_to_measure_on() -> None:
+    assert all(map(math.isnan, following(trial_of([])).values()))
+
+
 def test_a_group_of_one_is_followed_though_others_are_seen() -> None:
     """Bearings 90 and 84 degrees apart by 6: within 20 they are one group of two; a third robot is a group of its
     own. Of three readings on one member and one on another, the larger group is one member's."""
@@ -62,11 +64,6 @@ def test_a_group_of_one_is_followed_though_others_are_seen() -> None:
     owners[updates.input_starts[4] + 1 :] = 2  # the two that stand together are one member's readings
     one = dataclasses.replace(result, updates=dataclasses.replace(updates, input_owners=owners))
     assert followed(one).tolist() == [-1, -1, -1, 1, 2, -1]
-
-
-def test_keeping_the_command_counts_from_the_second_update_on() -> None:
-    assert following(watched("snn"))["kept_share"] == 1 / 2  # kept at 3 s, changed at 6 s; 1 and 2 s are first ones
-    assert math.isnan(following(trial_of([]))["kept_share"])
 
 
 def test_the_turn_while_blind_begins_half_a_second_after_somebody_was_seen() -> None:
