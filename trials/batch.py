@@ -9,6 +9,7 @@ import multiprocessing
 import os
 import queue
 import signal
+import tempfile
 import threading
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -17,20 +18,22 @@ from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from dataclasses import dataclass
 from multiprocessing import resource_tracker
+from pathlib import Path
 from typing import Protocol
 
 from pebble import ProcessExpired, ProcessPool
 
 from flocking.errors import InputError
 from trials import watch, worker
+from trials.simulations import is_kinematic
 from trials.store import DIED, Row, StorageError, Store
-from trials.types import Trial
+from trials.types import Group, Trial
 from trials.worker import Job, WorkerOutput
 
 AHEAD = 2
 """Trials handed out per worker: one at work, one waiting, so that results do not pile up in memory."""
 WARM_UP_LIMIT_S = 300.0
-"""Wall time for filling the compiled cache."""
+"""Wall time for filling the compiled cache, for each set of code."""
 BREAKS = 3
 """How often in a row the workers may all die before one trial has ended."""
 STOPPING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
@@ -72,12 +75,14 @@ def run_batch(
     imports: Callable[[], None] | None = worker.imports,
     warm_up: Sequence[Trial] = (),
     limit_s: Callable[[Trial], float] = worker.limit_s,
+    law_limit_s: float = watch.STEP_LIMIT_S,
 ) -> Summary:
     """Runs the trials in `jobs` worker processes and keeps each in the store as it ends.
 
     `recorded` holds the indices of the trials to record, with `scans` some or all; `warm_up` the trials of which
-    one worker first runs a moment, so that not all of them compile the same code. A trial that fails, lasts
-    longer than `limit_s` or whose worker dies is kept as failed with its reason. SIGINT, SIGTERM and SIGHUP stop
+    first a moment is run, one after the other, so that not all workers compile the same code, and none while a
+    trial's time counts. A trial that fails, lasts longer than `limit_s`, whose law does not return within
+    `law_limit_s` or whose worker dies is kept as failed with its reason. SIGINT, SIGTERM and SIGHUP stop
     the batch: what has ended is kept. Raises `StorageError` if the disk does not take a result.
     """
     waiting, rows, breaks = deque(trials), list[Row](), 0
@@ -88,16 +93,17 @@ def run_batch(
         args = (run, trial.as_dict(), scans, trial.index in recorded)
         return pool.schedule(worker.attempt, args=args, timeout=limit_s(trial))
 
-    with _environment(worker.ONE_THREAD), _signals(ended.put):
+    with _environment(worker.ONE_THREAD), _signals(ended.put), _folder() as turns:
+        prepared = (imports, law_limit_s, turns)
         while waiting:
             before = len(rows)
             try:
-                with _pool(jobs, imports) as pool:
-                    if warm_up and jobs > 1 and not rows:
+                with _pool(jobs, prepared) as pool:
+                    if warm_up and not rows:
                         progress.say("compiling, where this machine has not yet")
                         _warm_up(pool, warm_up, run, ended)
-                    for trial, output in _outputs(pool, waiting, ended, submit, AHEAD * jobs):
-                        rows.append(_keep(store, trial, output))
+                    for trial, future in _ended(pool, waiting, ended, submit, AHEAD * jobs):
+                        rows.append(_keep(store, trial, _output(future, trial, law_limit_s, turns)))
                         progress.ended(rows[-1])
             except _Stopped as stop:
                 return Summary(rows, stop.args[0])
@@ -108,13 +114,13 @@ def run_batch(
     return Summary(rows)
 
 
-def _outputs(
+def _ended(
     pool: ProcessPool,
     waiting: deque[Trial],
     ended: queue.SimpleQueue[Future[WorkerOutput] | int],
     submit: Callable[[ProcessPool, Trial], Future[WorkerOutput]],
     ahead: int,
-) -> Iterator[tuple[Trial, WorkerOutput]]:
+) -> Iterator[tuple[Trial, Future[WorkerOutput]]]:
     """Hands out what waits, at most `ahead` trials at a time, and yields each as it ends.
 
     Trials that did not end are waiting again when a signal or broken workers put an end to it.
@@ -141,13 +147,12 @@ def _outputs(
             if isinstance(event.exception(), BrokenProcessPool):
                 broken = event.exception()  # type: ignore[assignment]
                 continue
-            trial = flying.pop(event)
-            yield trial, _output(event, trial)
+            yield flying.pop(event), event
     finally:
         waiting.extendleft(reversed(flying.values()))
 
 
-def _output(future: Future[WorkerOutput], trial: Trial) -> WorkerOutput:
+def _output(future: Future[WorkerOutput], trial: Trial, law_limit_s: float, turns: Path) -> WorkerOutput:
     """What a worker handed back, or a failed trial that says what became of it."""
     error = future.exception()
     if error is None:
@@ -155,18 +160,31 @@ def _output(future: Future[WorkerOutput], trial: Trial) -> WorkerOutput:
     if isinstance(error, StorageError):
         raise error
     if isinstance(error, TimeoutError):
-        return WorkerOutput("failed", f"did not end within {error.args[1]:g} s of wall time; {_laws(trial)} is slow")
+        slow = f"did not end within {error.args[1]:g} s of wall time; {_laws(trial.groups)} is slow"
+        return WorkerOutput("failed", slow)
     if isinstance(error, ProcessExpired):
         code = error.exitcode
         if code == -signal.SIGALRM:
-            return WorkerOutput("failed", f"{_laws(trial)} did not return within {watch.STEP_LIMIT_S:g} s of wall time")
+            return WorkerOutput("failed", _hung(trial, law_limit_s, watch.whose(turns, error.pid)))
         how = signal.Signals(-code).name if code < 0 else f"exit code {code}"
         return WorkerOutput("failed", f"{DIED} ({how})")
     return WorkerOutput("failed", worker.told(error))
 
 
-def _laws(trial: Trial) -> str:
-    return "law " + " or ".join(dict.fromkeys(repr(group.law) for group in trial.groups))
+def _hung(trial: Trial, law_limit_s: float, turn: tuple[int, int] | None) -> str:
+    """That a law did not return, and whose and when if that is known."""
+    late = f"did not return within {law_limit_s:g} s of wall time"
+    if turn is None:
+        return f"{_laws(trial.groups)} {late}"
+    step, member = turn
+    group, number = [(group, k + 1) for group in trial.groups for k in range(group.count)][member]
+    if is_kinematic(trial):
+        return f"{_laws([group])} {late} for member {member + 1} at step {step + 1}"
+    return f"{_laws([group])} {late} for {group.name}-{number} at {step * trial.timestep_s:.2f} s"
+
+
+def _laws(groups: Sequence[Group]) -> str:
+    return "law " + " or ".join(dict.fromkeys(repr(group.law) for group in groups))
 
 
 def _keep(store: Store, trial: Trial, output: WorkerOutput) -> Row:
@@ -189,20 +207,35 @@ def _warm_up(
     run: Job,
     ended: queue.SimpleQueue[Future[WorkerOutput] | int],
 ) -> None:
-    args = ([trial.as_dict() for trial in trials], run)
-    future = pool.schedule(worker.warm_up, args=args, timeout=WARM_UP_LIMIT_S)
-    future.add_done_callback(ended.put)
-    event = ended.get()
-    if isinstance(event, int):
-        raise _Stopped(event)
+    """Runs a moment of each; whatever becomes of it, the trial itself will tell."""
+    for trial in trials:
+        try:
+            future = pool.schedule(worker.warm_up, args=(trial.as_dict(), run), timeout=WARM_UP_LIMIT_S)
+        except RuntimeError:  # the pool broke, as handing out the trials will find
+            return
+        future.add_done_callback(ended.put)
+        event = ended.get()
+        if isinstance(event, int):
+            raise _Stopped(event)
 
 
 @contextmanager
-def _pool(jobs: int, imports: Callable[[], None] | None) -> Iterator[ProcessPool]:
+def _folder() -> Iterator[Path]:
+    """A temporary folder in which workers keep whose turn it is. Raises `StorageError` if there can be none."""
+    try:
+        folder = tempfile.TemporaryDirectory(prefix="herd-", ignore_cleanup_errors=True)
+    except OSError as error:
+        raise StorageError(f"cannot write below {tempfile.gettempdir()}: {error.strerror or error}") from error
+    with folder as path:
+        yield Path(path)
+
+
+@contextmanager
+def _pool(jobs: int, prepared: tuple[Callable[[], None] | None, float, Path]) -> Iterator[ProcessPool]:
     pool = ProcessPool(
         jobs,
         initializer=worker.prepare,
-        initargs=(imports,),
+        initargs=prepared,
         context=multiprocessing.get_context("spawn"),
     )
     # Ctrl-C in a terminal goes to all processes: only this one shall hear it. A mask is handed on to workers.

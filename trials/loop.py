@@ -43,8 +43,7 @@ def run_trial(trial: Trial, scans: str = "none", reraise: bool = False) -> Trial
     built = perf_counter()
     outcome, reason = "done", ""
     try:
-        with watch.watched():
-            run(herd, log, last=round(trial.duration_s / trial.timestep_s))
+        run(herd, log, last=round(trial.duration_s / trial.timestep_s))
     except Exception as error:
         if reraise:
             raise
@@ -82,7 +81,6 @@ def run(herd: Herd, log: Log, last: int) -> None:
         if tick != poses_tick:
             poses_tick, poses_w = tick, world.fleet.poses(data)
         if what == SAMPLE:
-            watch.breathe()
             _check(herd, poses_w)
             log.sample(data.time, poses_w, world.fleet.odometry, world.fleet.bumpers)
             heapq.heappush(events, (tick + sample_every, SAMPLE, 0, None))
@@ -93,7 +91,9 @@ def run(herd: Herd, log: Log, last: int) -> None:
         detection = robot.detect(senses)  # 2, and 6 obstacle detection
         heeded = robot.heed(detection)  # 7 obstacle selection
         sets = robot.select(heeded.members)  # 3
-        motion = robot.decide(heeded, sets)  # 4
+        with watch.watched(tick, k):
+            motion = robot.decide(heeded, sets)  # 4
+        motion = robot.avoid(motion, heeded)
         command = robot.drive(motion)  # 5, after the latency
         heapq.heappush(events, (tick + robot.latency, ACT, k, command))
         heapq.heappush(events, (tick + robot.period, SENSE, k, None))

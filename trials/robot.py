@@ -167,7 +167,10 @@ class Robot:
             raise LawError(
                 f"law {self.law.name!r} returned kind {kind:g}, x {x:g}, y {y:g}, rule {rule:g} for {self.name}"
             )
-        motion = Motion(int(kind), x, y, int(rule))
+        return Motion(int(kind), x, y, int(rule))
+
+    def avoid(self, motion: Motion, detection: Detection) -> Motion:
+        """What the avoidance of obstacles makes of the law's motion, where the group has it added."""
         if not self.obstacle_stage.avoids:
             return motion
         return self.obstacle_stage.avoided(motion, self._velocity, self.dt, detection.obstacles, len(self.law.rules))

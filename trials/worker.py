@@ -55,10 +55,13 @@ Job = Callable[[dict[str, Any], str, bool], WorkerOutput]
 """(trial as a dict, scans, whether to record) → output; a module's function, so that workers can import it."""
 
 
-def prepare(fill: Callable[[], None] | None = None) -> None:
-    """At the start of a worker: it dies at once when told to, with its parent, or by its watch; imports what is big."""
+def prepare(fill: Callable[[], None] | None, law_limit_s: float, turns: Path) -> None:
+    """At the start of a worker: it dies at once when told to, with its parent, or by its watch; imports what is big.
+
+    In the folder `turns` it keeps whose turn it is.
+    """
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
-    watch.arm()
+    watch.arm(law_limit_s, turns)
     if sys.platform == "linux":
         ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
     if fill is not None:
@@ -115,10 +118,9 @@ def run_packed(trial: dict[str, Any], scans: str, record: bool) -> WorkerOutput:
     return WorkerOutput(result.outcome, one_line(result.reason), dict(result.measures), packed, recording, timing)
 
 
-def warm_up(trials: list[dict[str, Any]], run: Job) -> None:
-    """Fills the compiled cache: a moment of each of the trials. What fails here will say so in its trial."""
-    for trial in trials:
-        attempt(run, moment(trial), "none", False)
+def warm_up(trial: dict[str, Any], run: Job) -> None:
+    """Fills the compiled cache: a moment of the trial. What fails here will say so in its trial."""
+    attempt(run, moment(trial), "none", False)
 
 
 def moment(trial: dict[str, Any]) -> dict[str, Any]:

@@ -75,18 +75,20 @@ def simulate(
     every: int = 1,
     graph: Bools | None = None,
     said: Callable[[int], None] | None = None,
+    turn: Ints | None = None,
 ) -> History:
     """Simulates the bands, whose members stand one after the other at `poses_w` (N, 3).
 
     They start with `speeds_m_s` along their headings, or with `velocities_w` (N, 2). Synchronous: all decide on the
     same state, then all move; otherwise one after the other within each step, in an order drawn anew. Every
     `every`-th step is kept. `graph` (N, N): who is in whose fixed set. `said` is told the steps done after each piece.
+    `turn` (3,) is kept at the steps done before a piece, the step in it, and the member at work, from 0.
     Raises `InputError` for what does not fit and `LawFailedError` if a law fails.
     """
     bands = [bands] if isinstance(bands, Band) else list(bands)
     if not 0.0 < dt_s < math.inf or steps < 0 or every < 1:
         raise InputError(f"dt_s = {dt_s:g}, steps = {steps}, every = {every}: expected finite and positive")
-    run = KinematicHerd(bands, poses_w, space or Space(), graph, dt_s, rng)
+    run = KinematicHerd(bands, poses_w, space or Space(), graph, dt_s, rng, turn)
     run.start(velocities_w, speeds_m_s)
     tracks = np.empty((steps // every + 1, len(run.positions), 5))
     _kernel().record(run.bodies, tracks[0])
@@ -143,6 +145,7 @@ class KinematicHerd:
         graph: Bools | None,
         dt: float,
         rng: np.random.Generator,
+        turn: Ints | None = None,
     ) -> None:
         count = sum(band.checked().count for band in bands)
         self.bands, self.dt = bands, float(dt)
@@ -188,7 +191,7 @@ class KinematicHerd:
         self.draws = [band.law.draws for band in bands]
         self.most_steps = max(1, MOST_DRAWS // (count * (1 + max(self.draws))))
         self.pace = max(1, min(FIRST_DECISIONS, FIRST_LOOKS // count))
-        self.turn = np.zeros(2, np.int64)
+        self.turn = np.zeros(3, np.int64) if turn is None else turn
 
     def start(self, velocities_w: Floats | None, speeds: float | Floats) -> None:
         """Gives the members their first velocities."""
@@ -292,13 +295,13 @@ class KinematicHerd:
         """One piece of work of the kernel. Raises `LawFailedError` if the law fails in it."""
         law, started = self.bands[band].law, perf_counter()
         shared = (law.entry, self.stages[band], self.bodies, self.limits, self.minds, self.place)
-        raised = ""
+        raised, self.turn[0] = "", done
         try:
-            failed = work(*shared, who, draws, self.dt, self.motions, tracks, every, before, self.turn, *more)
+            failed = work(*shared, who, draws, self.dt, self.motions, tracks, every, before, self.turn[1:], *more)
         except Exception as error:  # whatever a law of the user's may raise
             failed, raised = 1, " ".join(f"{type(error).__name__}: {error}".split())
         if failed:
-            step, member = (int(number) for number in self.turn)
+            step, member = self.turn[1:].tolist()
             kind, x, y, _ = self.motions[member]
             what = f"raised {raised}" if raised else f"returned kind {kind:g}, x {x:g}, y {y:g}"
             expected = "" if raised else "; expected a kind of 0 to 5 and finite numbers"

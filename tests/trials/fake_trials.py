@@ -47,14 +47,14 @@ def run(trial: dict[str, Any], scans: str, record: bool) -> WorkerOutput:
         os.kill(os.getpid(), signal.SIGKILL)
     if act == "hang":
         time.sleep(3600)
+    if act == "mark":
+        Path(os.environ["FAKE_MARKED"]).touch()
     if act == "spin":
         _spin()
     if act == "spin watched":
-        watch.arm(0.3)
         with watch.watched():
             _spin()
     if act == "breathe":
-        watch.arm(0.3)
         with watch.watched():
             for _ in range(8):
                 time.sleep(0.1)

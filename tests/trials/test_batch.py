@@ -91,9 +91,9 @@ def test_a_law_that_never_returns_is_named_and_one_that_is_slow_is_let_be(
 ) -> None:
     monkeypatch.setenv("FAKE_SPINNING", str(tmp_path / "spinning"))
     trials = [fake_trials.trial(k, act) for k, act in enumerate(["spin watched", "breathe"], start=1)]
-    _, rows = batch(tmp_path / "run", trials)
+    _, rows = batch(tmp_path / "run", trials, law_limit_s=0.3)
     reasons = {row.index: (row.status, row.reason) for row in rows}
-    assert reasons[1] == ("failed", "law 'extended-hamilton' did not return within 30 s of wall time")
+    assert reasons[1] == ("failed", "law 'extended-hamilton' did not return within 0.3 s of wall time")
     assert reasons[2] == ("done", "")
 
 
@@ -122,10 +122,16 @@ def test_imports_that_fail_are_left_to_the_trial_to_tell(tmp_path: Path) -> None
     assert summary.rows[0].status == "done"
 
 
-def test_a_warm_up_that_dies_does_no_harm(tmp_path: Path) -> None:
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_a_warm_up_that_dies_does_no_harm(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, jobs: int) -> None:
+    """Nor does it keep the rest from being warmed up."""
+    marker = tmp_path / "warm"
+    monkeypatch.setenv("FAKE_MARKED", str(marker))
     trials = [fake_trials.trial(1), fake_trials.trial(2)]
-    summary, _ = batch(tmp_path / "run", trials, warm_up=[fake_trials.trial(9, "exit")])
+    warm_up = [fake_trials.trial(9, "exit"), fake_trials.trial(8, "mark")]
+    summary, _ = batch(tmp_path / "run", trials, warm_up=warm_up, jobs=jobs)
     assert [row.status for row in summary.rows] == ["done", "done"]
+    assert marker.exists()
 
 
 BATCH = """

@@ -51,6 +51,8 @@ def run_trial(trial: Trial, reraise: bool = False) -> TrialResult:
 
 def simulated(trial: Trial, herd: Herd, every: int) -> History:
     """The way of a trial's herd, of which every so many steps are kept. Raises `LawFailedError`."""
+    import flocking.kinematic.kernel  # noqa: F401 (compiles it, where no watch is on)
+
     with watch.watched():
         return simulate(
             herd.bands,
@@ -64,6 +66,7 @@ def simulated(trial: Trial, herd: Herd, every: int) -> History:
             every=every,
             graph=herd.graph,
             said=watch.breathe,
+            turn=watch.turn,
         )
 
 

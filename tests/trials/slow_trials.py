@@ -1,0 +1,40 @@
+"""Real trials in a worker that is slow to get going, as one that compiles is, for tests of the watch."""
+
+from __future__ import annotations
+
+import sys
+import time
+from typing import Any
+
+from trials import worker
+from trials.worker import WorkerOutput
+
+SLOW_S = 2.5
+KERNEL = "flocking.kinematic.kernel"
+
+
+class SlowKernel:
+    """A finder of modules that takes its time over the kernel and finds nothing."""
+
+    @staticmethod
+    def find_spec(name: str, path: object = None, target: object = None) -> None:
+        if name == KERNEL:
+            time.sleep(SLOW_S)
+
+
+def run(trial: dict[str, Any], scans: str, record: bool) -> WorkerOutput:
+    """The trial; its kernel takes long to import, its robots take long to detect for the first time."""
+    assert KERNEL not in sys.modules
+    sys.meta_path.insert(0, SlowKernel())  # type: ignore[arg-type]
+    if trial["simulation"] == "physics":
+        from trials.robot import Robot
+
+        quick = Robot.detect
+
+        def detect(robot: Robot, senses: Any) -> Any:
+            time.sleep(SLOW_S)
+            Robot.detect = quick  # type: ignore[method-assign]
+            return quick(robot, senses)
+
+        Robot.detect = detect  # type: ignore[method-assign]
+    return worker.run_packed(trial, scans, record)
