@@ -49,6 +49,8 @@ def run_trial(trial: Trial, scans: str = "none", reraise: bool = False) -> Trial
             raise
         told = str(error) if isinstance(error, LawError | TrialError) else f"{type(error).__name__}: {error}"
         outcome, reason = "failed", f"{' '.join(told.split())} at {herd.world.data.time:.2f} s"
+    finally:
+        watch.end()
     finished = perf_counter()
     result = log.result(
         names=herd.world.names,
@@ -91,8 +93,9 @@ def run(herd: Herd, log: Log, last: int) -> None:
         detection = robot.detect(senses)  # 2, and 6 obstacle detection
         heeded = robot.heed(detection)  # 7 obstacle selection
         sets = robot.select(heeded.members)  # 3
-        with watch.watched(tick, k):
-            motion = robot.decide(heeded, sets)  # 4
+        watch.begin(tick, k)
+        motion = robot.decide(heeded, sets)  # 4
+        watch.end()
         motion = robot.avoid(motion, heeded)
         command = robot.drive(motion)  # 5, after the latency
         heapq.heappush(events, (tick + robot.latency, ACT, k, command))

@@ -60,13 +60,23 @@ def breathe(_done: int = 0) -> None:
         signal.setitimer(signal.ITIMER_REAL, _limit_s)
 
 
-@contextmanager
-def watched(step: int = 0, member: int = NOBODY) -> Iterator[None]:
-    """Within it the process must breathe; whoever knows better whose turn it is writes to `turn`."""
-    turn[:] = 0, step, member
+def begin(step: int = 0, member: int = NOBODY) -> None:
+    """From here on the process must breathe; whoever knows better whose turn it is writes to `turn`."""
+    turn[0], turn[1], turn[2] = 0, step, member
     breathe()
+
+
+def end() -> None:
+    """From here on it need not."""
+    if _limit_s:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+
+
+@contextmanager
+def watched() -> Iterator[None]:
+    """Within it the process must breathe."""
+    begin()
     try:
         yield
     finally:
-        if _limit_s:
-            signal.setitimer(signal.ITIMER_REAL, 0.0)
+        end()
