@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shlex
+import signal
 import sys
 import traceback
 from collections.abc import Sequence
@@ -13,7 +14,7 @@ from time import monotonic
 from typing import Any
 
 from flocking.errors import InputError
-from trials import machine, options, progress, simulations, store, worker
+from trials import machine, options, progress, simulations, store, watch, worker
 from trials.batch import run_batch
 from trials.design import DEFAULT_SEED, Plan, load, plan
 from trials.store import Row, Store
@@ -159,7 +160,10 @@ def resume(folder: Path, jobs: int) -> int:
 
 
 def debug(asked: Asked) -> int:
-    """Runs one trial in this process, keeps nothing, and shows the traceback of what fails; returns the exit code."""
+    """Runs one trial in this process, keeps nothing, and shows the traceback of what fails; returns the exit code.
+
+    A law that never returns ends the process.
+    """
     import faulthandler
 
     from trials.worker import run_packed
@@ -168,6 +172,8 @@ def debug(asked: Asked) -> int:
         raise InputError("--debug runs one trial in this process: say which, as in --only 5 --debug")
     _, (trial,) = planned(asked)
     faulthandler.enable()
+    watch.arm()
+    faulthandler.register(signal.SIGALRM, chain=True)  # a law that never returns: its traceback, and the end
     print(f"trial {trial.index}: seed {trial.seed}, repeat {trial.repeat}, {conditions(trial)}", flush=True)
     try:
         output = run_packed(trial.as_dict(), asked.scans, (asked.record or record_of(asked.experiment)) != "none")
