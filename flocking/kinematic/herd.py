@@ -86,8 +86,12 @@ def simulate(
     Raises `InputError` for what does not fit and `LawFailedError` if a law fails.
     """
     bands = [bands] if isinstance(bands, Band) else list(bands)
-    if not 0.0 < dt_s < math.inf or steps < 0 or every < 1:
-        raise InputError(f"dt_s = {dt_s:g}, steps = {steps}, every = {every}: expected finite and positive")
+    if not 0.0 < dt_s < math.inf or steps < 0 or every < 1 or steps % 1 or every % 1:
+        raise InputError(
+            f"dt_s = {dt_s:g}, steps = {steps}, every = {every}: expected a finite positive time, and whole numbers of "
+            "at least 0 and 1"
+        )
+    steps, every = int(steps), int(every)
     run = KinematicHerd(bands, poses_w, space or Space(), graph, dt_s, rng, turn)
     run.start(velocities_w, speeds_m_s)
     tracks = np.empty((steps // every + 1, len(run.positions), 5))
@@ -161,7 +165,10 @@ class KinematicHerd:
         steps = [int(step) for stages in self.stages for step in stages.steps.ravel()]
         self.voronoi = Step.VORONOI in steps
         if Step.GRAPH in steps and graph is None:
-            raise InputError("selection 'fixed-set' without ids: this herd has no graph; expected fixed-set(0, 3)")
+            raise InputError(
+                "selection 'fixed-set' without ids: this herd has no graph; "
+                "expected one (simulate(graph=...)) or fixed-set(0, 3)"
+            )
         if self.voronoi or graph is not None:
             check_linked(count)
         parameters = np.zeros((count, max(stages.parameters for stages in self.stages)))

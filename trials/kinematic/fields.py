@@ -125,12 +125,16 @@ class GroupFields(NamedTuple):
 
 
 class SpaceParameters(NamedTuple):
-    """A square with walls around it (bounded), or whose opposite sides are one (periodic)."""
+    """A square with walls around it."""
 
     size_m: Annotated[
         float,
         Parameter("m", f"side of the square; {_LAW}, its spacing times the root of the count", low=1e-6, high=1e9),
     ] = OPEN
+
+
+class PeriodicParameters(SpaceParameters):
+    """A square whose opposite sides are one."""
 
 
 class ObstacleParameters(NamedTuple):
@@ -176,13 +180,17 @@ class SplitParameters(NamedTuple):
 
 
 class LatticeParameters(NamedTuple):
-    """A lattice of squares or of equilateral triangles, centred, as square as the count permits."""
+    """A lattice of squares, centred, as square as the count permits."""
 
     spacing_m: Annotated[float, Parameter("m", f"between neighbours; {_LAW}", low=1e-6, high=1e9)] = OPEN
     jitter_m: Annotated[float, Parameter("m", "a choice: shifts are drawn within ± this in x and y", low=0.0)] = 0.0
     heading_spread_deg: Annotated[
         float, Parameter("deg", "headings are drawn within ± this; 180 = all", low=0.0, high=180.0)
     ] = 180.0
+
+
+class TriangularParameters(LatticeParameters):
+    """A lattice of equilateral triangles, centred, as square as the count permits."""
 
 
 class NoParameters(NamedTuple):
@@ -192,14 +200,14 @@ class NoParameters(NamedTuple):
 WORLD_PARAMETERS: dict[str, type] = {
     "unbounded": NoParameters,
     "bounded": SpaceParameters,
-    "periodic": SpaceParameters,
+    "periodic": PeriodicParameters,
     "obstacles": ObstacleParameters,
 }
 FORMATION_PARAMETERS: dict[str, type] = {
     "uniform": UniformParameters,
     "single-group": GroupParameters,
     "split-group": SplitParameters,
-    "triangular-lattice": LatticeParameters,
+    "triangular-lattice": TriangularParameters,
     "square-lattice": LatticeParameters,
     **dict.fromkeys(lattice_starts.NAMES, lattice_starts.Parameters),
 }

@@ -33,7 +33,7 @@ OPEN = math.nan
 
 
 class Parameters(NamedTuple):
-    """Of the three starts."""
+    """The lattice of Akama and Naruse 2014, whose members differ in velocity, position or both."""
 
     spacing_m: Annotated[float, Parameter("m", "the stable distance d; HERD in the law's file", low=1e-6)] = OPEN
     strength: Annotated[
