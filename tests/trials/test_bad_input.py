@@ -106,7 +106,7 @@ def make_run(folder: Path) -> None:
         ),
         (
             ["run", "vicsek-transition", "--law", "conradt", "--set", "herd.law.alpha_m=9"],
-            ["distance-based(9, ", "low <= high"],
+            ["herd.law.alpha_m = 9", "alpha_m at most beta_m"],
         ),
         (["run", "vicsek-transition", "--set", "herd.radius_m=2e9"], ["herd.radius_m", "2000000000", "to 1e+09"]),
         (["run", "vicsek-transition", "--set", "herd.leaders=41"], ["herd.leaders = 41", "at most", "40 members"]),

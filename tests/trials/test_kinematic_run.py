@@ -103,10 +103,10 @@ def test_a_setting_reaches_the_cells_that_have_a_place_for_it() -> None:
     ("words", "expected"),
     [
         (["world", "lch-table-4-1", "--out", "w.xml"], ["lch-table-4-1", "kinematic", "herd play"]),
-        (["run", "vicsek-transition", "--body", "create"], ["herd.body"]),
+        (["run", "vicsek-transition", "--body", "create"], ["--body create", "no bodies"]),
         (["run", "vicsek-transition", "--pipeline", "perfect-members"], ["perfect-members", "member-based"]),
         (["run", "vicsek-transition", "--set", "herd.information=bearings"], ["vicsek", "headings"]),
-        (["run", "vicsek-transition", "--set", "world.size_m=0"], ["world.size_m", "at least"]),
+        (["run", "vicsek-transition", "--set", "world.size_m=0"], ["world.size_m", "from 1e-06"]),
         (["run", "vicsek-transition", "--law", "vicseck"], ["vicseck", "did you mean vicsek"]),
         (["run", "couzin-leaders", "--set", "herd.selection=voronoy"], ["voronoy", "voronoi"]),
     ],
