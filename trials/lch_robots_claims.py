@@ -121,7 +121,7 @@ def _following(cells: Cells, information: str, threshold: float | None) -> list[
     more_often = cells.difference("follow_share", here, there)
     straighter = cells.difference("straightness", here, there)
     return [
-        above(f"share of way-points, {group}", shares, MOST, DIFFERENCE),
+        above(f"share of way-points, {group}", shares, MOST, DIFFERENCE, bounds=(0.0, 1.0)),
         more(f"share of way-points, {group} less {member}", more_often, DIFFERENCE),
         more(f"straightness, {group} less {member}", straighter, DIFFERENCE, decides=False),
     ]
