@@ -17,8 +17,9 @@ from flocking.compilation import borrowing
 from flocking.kinematic import arrays, detection
 from flocking.kinematic.arrays import Bodies, Limits, Minds, Place, Stages
 from flocking.kinematic.cells import binned, cells_of
-from flocking.kinematic.mind import Crowd, assemble, decide, scratch
+from flocking.kinematic.mind import decide
 from flocking.kinematic.motion import move
+from flocking.kinematic.sight import Crowd, assemble, scratch
 from flocking.kinematic.walls import shortest
 from flocking.lawentry import ENTRY_SIGNATURE
 from flocking.types import Floats, Ints
