@@ -44,6 +44,24 @@ class MadeUpRun:
         return self.results[index]
 
 
+def finished(
+    trials: list[Trial],
+    measures: Callable[[Trial], Mapping[str, float]],
+    seed: int,
+    spread: float = 0.0,
+    noise: float = 0.0,
+) -> MadeUpRun:
+    """Planned trials that have ended with these means; `spread` from trial to trial is relative, `noise` absolute."""
+    rng = np.random.default_rng(seed)
+    rows = []
+    for trial in trials:
+        values = {
+            name: mean * (1.0 + spread * rng.normal()) + noise * rng.normal() for name, mean in measures(trial).items()
+        }
+        rows.append(MadeUpRow(trial.index, "done", "", trial.repeat, trial.conditions, values))
+    return MadeUpRun(trials, rows)
+
+
 def made_up_run(
     law: Law,
     repeats: int = 7,

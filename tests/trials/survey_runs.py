@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 
-import numpy as np
-
-from tests.trials.made_up_run import MadeUpRow, MadeUpRun
+from tests.trials.made_up_run import MadeUpRun, finished
 from trials.design import plan
 from trials.types import Trial
 
@@ -20,16 +18,4 @@ def made_up(
     """A finished run of an experiment with three repeats; of some laws, or as asked."""
     sweep = {"herd.law": list(laws)} if laws else None
     trials = plan(experiment, repeats=3, settings=asked, sweep=sweep).trials
-    rng = np.random.default_rng(4)
-    rows = [
-        MadeUpRow(
-            trial.index,
-            "done",
-            "",
-            trial.repeat,
-            trial.conditions,
-            {name: value + NOISE * rng.normal() for name, value in measures(trial).items()},
-        )
-        for trial in trials
-    ]
-    return MadeUpRun(trials, rows)
+    return finished(trials, measures, seed=4, noise=NOISE)

@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 import numpy as np
 import pytest
 
-from tests.trials.made_up_run import MadeUpRow, MadeUpRun
+from tests.trials.made_up_run import MadeUpRun, finished
 from trials import design
 from trials.claims import Entry, near, published
 
@@ -22,20 +22,9 @@ SPREAD = 0.01
 
 def judged(experiment: str, measures: Measures, repeats: int | None = None) -> list[Entry]:
     """The entries of an experiment whose trials measured what `measures` says, give or take the spread."""
-    rng, module = np.random.default_rng(5), design.load(experiment)
     trials = design.plan(experiment, repeats=repeats).trials
-    rows = [
-        MadeUpRow(
-            trial.index,
-            "done",
-            "",
-            trial.repeat,
-            trial.conditions,
-            {name: mean * (1.0 + SPREAD * rng.normal()) for name, mean in measures(trial.conditions).items()},
-        )
-        for trial in trials
-    ]
-    entries: list[Entry] = module.claims(MadeUpRun(trials, rows))
+    run = finished(trials, lambda trial: measures(trial.conditions), seed=5, spread=SPREAD)
+    entries: list[Entry] = design.load(experiment).claims(run)
     return entries
 
 

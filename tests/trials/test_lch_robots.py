@@ -11,7 +11,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from flocking.types import Kind
-from tests.trials.made_up_run import MadeUpRow, MadeUpRun
+from tests.trials.made_up_run import MadeUpRun, finished
 from tests.trials.test_measures import NAN, trial_of
 from trials import simulations
 from trials.design import plan
@@ -103,20 +103,7 @@ def test_the_plan_is_forty_trials_on_the_open_floor_and_twenty_with_other_thresh
 
 
 def run_of(measures: Callable[[str], dict[str, float]]) -> MadeUpRun:
-    trials = plan("lch-robots").trials
-    rng = np.random.default_rng(2)
-    rows = [
-        MadeUpRow(
-            trial.index,
-            "done",
-            "",
-            trial.repeat,
-            trial.conditions,
-            {name: value * (1.0 + 0.001 * rng.normal()) for name, value in measures(trial.groups[0].law).items()},
-        )
-        for trial in trials
-    ]
-    return MadeUpRun(trials, rows)
+    return finished(plan("lch-robots").trials, lambda trial: measures(trial.groups[0].law), seed=2, spread=0.001)
 
 
 def laid_down(law: str) -> dict[str, float]:
