@@ -15,7 +15,8 @@ APART_S = 0.5
 
 FORCE = 0.5
 """N with which two must press on one another to be said to touch: what presses a bumper's switch
-(robots/fleet.py). MuJoCo lists contacts from a few millimetres' distance on, where there is no force yet. A choice."""
+(robots/create/fleet.py). MuJoCo lists contacts from a few millimetres' distance on, where there is no force yet.
+A choice."""
 
 
 @compiled

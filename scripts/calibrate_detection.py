@@ -24,16 +24,16 @@ import mujoco
 import numpy as np
 
 from flocking.types import Bools, Floats
-from robots import create
+from robots.create import model as create
 from robots.physics import apply_options
-from sensing import recognition
-from sensing.laser import ANGLES, SETTINGS, STEP_RAD, Lasers
+from sensing.laser.hokuyo import ANGLES, SETTINGS, STEP_RAD, Lasers
 from sensing.pipelines import sensor_based
-from sensing.recognition import Recogniser, recogniser
-from sensing.segments import shape_of, split
-from sensing.templates import group_at
+from sensing.shapes import recognition
+from sensing.shapes.recognition import Recogniser, recogniser
+from sensing.shapes.segments import shape_of, split
+from sensing.shapes.templates import group_at
+from sensing.shapes.warping import nearest_shape
 from sensing.types import Scan, ScanTruth
-from sensing.warping import nearest_shape
 from worlds.walls import Walls, add_walls, closed
 
 MEMBERS, BOXES, POSTS = 5, 3, 3

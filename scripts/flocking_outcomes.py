@@ -14,10 +14,10 @@ from pathlib import Path
 from types import ModuleType
 
 from flocking.errors import InputError
+from trials.batch.store import Store, opened
 from trials.design import load
-from trials.report import VERDICTS, counted, report, shown_interval, shown_number
-from trials.store import Store, opened
-from trials.summary import cells, key_measures, mean, named
+from trials.evidence.summary import cells, key_measures, mean, named
+from trials.reports.report import VERDICTS, counted, report, shown_interval, shown_number
 
 PAGE = Path(__file__).parents[1] / "docs" / "flocking.md"
 BEGIN, END = "<!-- outcomes: begin", "<!-- outcomes: end -->"

@@ -14,8 +14,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from flocking.errors import InputError
-from trials.report import report
-from trials.store import opened
+from trials.batch.store import opened
+from trials.reports.report import report
 
 PAGE = Path(__file__).parents[1] / "docs" / "detection-case-study.md"
 BEGIN, END = "<!-- outcomes: begin", "<!-- outcomes: end -->"

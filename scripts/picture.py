@@ -17,9 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flocking.types import Floats, Kind
-from trials.columns import in_world
-from trials.recorded_senses import INTENSITY_PALETTE, intensity_levels, scan_points
-from trials.screen import robot_colours
+from trials.simulations.columns import in_world
+from trials.simulations.robots.recorded_senses import INTENSITY_PALETTE, intensity_levels, scan_points
+from trials.simulations.robots.screen import robot_colours
 from trials.types import Scans, TrialResult
 
 BACKGROUND, WALL, TEXT = "#0e1117", "#6e7b8b", "#d7dde4"
@@ -38,7 +38,7 @@ def main() -> None:
     given = parser.parse_args()
 
     from trials.design import plan
-    from trials.loop import run_trial
+    from trials.simulations.robots.loop import run_trial
 
     trial = plan("detection-case-study").trials[given.trial - 1]
     result = run_trial(trial, scans="all")

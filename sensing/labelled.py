@@ -14,7 +14,7 @@ import numpy as np
 
 from flocking.compilation import compiled
 from flocking.types import NO_OBSTACLES, Floats, Ints, Members, unknown
-from sensing.segments import beam_directions, laser_mount
+from sensing.shapes.segments import beam_directions, laser_mount
 from sensing.types import NOBODY, Detection, Senses
 
 READS = frozenset({"scan", "owners"})

@@ -18,6 +18,7 @@ An experiment's file holds
 from __future__ import annotations
 
 import dataclasses
+import importlib
 import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -25,12 +26,12 @@ from types import ModuleType
 from typing import Any
 
 from flocking import found
-from flocking.errors import InputError
+from flocking.errors import InputError, unknown_name
 from trials import simulations
 from trials.rows import Row, marked
 from trials.types import Trial, Value
 
-PACKAGE = "trials.experiments"
+STUDIES = "trials.studies"
 DEFAULT_SEED = 1
 MAX_TRIALS = 100_000
 
@@ -55,12 +56,20 @@ class Plan:
 
 def experiment_names() -> list[str]:
     """Names of all experiments."""
-    return sorted(found.modules(PACKAGE))
+    return sorted(experiments())
+
+
+def experiments() -> dict[str, str]:
+    """Names of all experiments, and the module of each: files in the folders of studies, by what they define."""
+    return found.defining(STUDIES, ("CONDITIONS", "base"))
 
 
 def load(name: str) -> ModuleType:
     """The module of an experiment; `InputError` with the nearest names if there is none."""
-    return found.load(PACKAGE, name, "experiment")
+    known, wanted = experiments(), name.replace("_", "-")
+    if wanted not in known:
+        raise unknown_name("experiment", name, known)
+    return importlib.import_module(known[wanted])
 
 
 def title(name: str) -> str:

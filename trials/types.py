@@ -34,7 +34,7 @@ class Group:
     """Text of the user's own law file: it travels with the trial."""
     law_parameters: Mapping[str, Value] = field(default_factory=dict)
     spread: Mapping[str, float] = field(default_factory=dict)
-    """Name of a law's parameter → how far members differ in it, as a share of its value (`trials.spread`)."""
+    """Name of a law's parameter → how far members differ in it, as a share of its value (`trials.simulations.spread`)."""
     speed_m_s: float = 0.25
     """Cruising speed towards a way-point."""
     rate_hz: float = 10.0
@@ -62,7 +62,7 @@ class Group:
     obstacle_selection: str = "all"
     avoidance_parameters: Mapping[str, Value] = field(default_factory=dict)
     kinematics: Mapping[str, Value] = field(default_factory=dict)
-    """Of a kinematic trial: what differs from the defaults of `trials.kinematic.fields.GroupFields`. Such a group has
+    """Of a kinematic trial: what differs from the defaults of `trials.simulations.kinematic.fields.GroupFields`. Such a group has
     a count, a pipeline, a selection and a law; the other fields of a robot mean nothing to it."""
 
 
@@ -90,10 +90,10 @@ class Trial:
     """`physics`: robots in MuJoCo; `kinematic`: the compiled herd of `flocking.kinematic`."""
     formation_parameters: Mapping[str, Value] = field(default_factory=dict)
     kinematics: Mapping[str, Value] = field(default_factory=dict)
-    """Of a kinematic trial: what differs from the defaults of `trials.kinematic.fields.TrialFields`; its length and
+    """Of a kinematic trial: what differs from the defaults of `trials.simulations.kinematic.fields.TrialFields`; its length and
     time step are among them."""
     links: Mapping[str, Value] = field(default_factory=dict)
-    """Of a kinematic trial: the `trials.kinematic.links.Parameters` with which its links are measured; {} = they are
+    """Of a kinematic trial: the `trials.simulations.kinematic.links.Parameters` with which its links are measured; {} = they are
     not."""
 
     def as_dict(self) -> dict[str, Any]:

@@ -14,7 +14,7 @@ from flocking import found
 from flocking.parameters import filled
 from flocking.types import Floats, Ints
 from robots import physics, touching
-from robots.fleet import Fleet
+from robots.create.fleet import Fleet
 from worlds.walls import Walls, add_walls
 
 NEVER = -(10**9)

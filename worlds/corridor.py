@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import Annotated, NamedTuple
 
 from flocking.parameters import Parameter
-from robots import create
+from robots.create import model
 from worlds.walls import Walls, closed
 
 
@@ -19,7 +19,7 @@ class Parameters(NamedTuple):
     width_m: Annotated[
         float,
         Parameter("m", "Fine 2015, section 2.3.1: seven robot diameters", published=True, low=0.5, high=100.0),
-    ] = 7 * create.DIAMETER
+    ] = 7 * model.DIAMETER
     length_m: Annotated[
         float, Parameter("m", "so long that no trial of a minute reaches its end", low=2.0, high=10000.0)
     ] = 80.0
@@ -43,4 +43,4 @@ def walls(parameters: Parameters) -> Walls:
 
 def free_length(parameters: Parameters) -> float:
     """How far a robot may go from the origin along x before it could meet an end, m."""
-    return parameters.length_m / 2 - create.RADIUS
+    return parameters.length_m / 2 - model.RADIUS

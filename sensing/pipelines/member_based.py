@@ -11,7 +11,7 @@ from __future__ import annotations
 import mujoco
 
 from flocking.types import Floats, Own
-from sensing.recognition import Parameters, Recogniser, recognise, recogniser
+from sensing.shapes.recognition import Parameters, Recogniser, recognise, recogniser
 from sensing.types import Detection, Senses
 
 __all__ = ["READS", "Parameters", "detect", "start"]

@@ -18,8 +18,8 @@ import numpy as np
 from flocking.compilation import compiled
 from flocking.parameters import Parameter
 from flocking.types import Floats, Ints, Members, Obstacles, Own, unknown
-from sensing import recognition
-from sensing.segments import beam_directions, laser_mount, split
+from sensing.shapes import recognition
+from sensing.shapes.segments import beam_directions, laser_mount, split
 from sensing.types import NOBODY, Detection, Senses
 
 READS = frozenset({"scan", "intensity"})

@@ -11,8 +11,9 @@ import numpy as np
 import pytest
 from hypothesis import settings
 
-from robots import create, physics
-from robots.fleet import Fleet
+from robots import physics
+from robots.create import model as create
+from robots.create.fleet import Fleet
 
 settings.register_profile("compiled", deadline=None)  # the first call compiles
 settings.load_profile("compiled")

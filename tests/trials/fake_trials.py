@@ -12,10 +12,10 @@ from typing import Any
 
 import numpy as np
 
-from trials import watch
-from trials.store import StorageError
+from trials.batch.store import StorageError
+from trials.batch.worker import WorkerOutput
+from trials.simulations import watch
 from trials.types import Group, Trial
-from trials.worker import WorkerOutput
 
 
 def trial(index: int, act: str = "succeed", seconds: float = 0.0, seed: int = 1) -> Trial:

@@ -6,8 +6,8 @@ import sys
 import time
 from typing import Any
 
-from trials import worker
-from trials.worker import WorkerOutput
+from trials.batch import worker
+from trials.batch.worker import WorkerOutput
 
 SLOW_S = 2.5
 KERNEL = "flocking.kinematic.kernel"
@@ -27,7 +27,7 @@ def run(trial: dict[str, Any], scans: str, record: bool) -> WorkerOutput:
     assert KERNEL not in sys.modules
     sys.meta_path.insert(0, SlowKernel())  # type: ignore[arg-type]
     if trial["simulation"] == "physics":
-        from trials.robot import Robot
+        from trials.simulations.robots.robot import Robot
 
         quick = Robot.detect
 

@@ -7,7 +7,8 @@ import math
 import pytest
 
 from flocking.errors import InputError
-from trials import design, keys
+from trials import design
+from trials.simulations.robots import keys
 from trials.types import Trial
 
 EXPERIMENTS = design.experiment_names()

@@ -12,8 +12,8 @@ from numpy.testing import assert_allclose
 from flocking import found
 from flocking.errors import InputError
 from flocking.parameters import declared
-from robots import create
-from trials.keys import valid
+from robots.create import model as create
+from trials.simulations.robots.keys import valid
 from worlds import assemble, corridor, formations
 from worlds.walls import HEIGHT, Walls, closed
 

@@ -11,8 +11,9 @@ import numpy as np
 import pytest
 from scipy.sparse.csgraph import connected_components
 
-from flocking import lawentry, measures
+from flocking import lawentry
 from flocking.kinematic import Band, History, Space, simulate, start_uniform
+from flocking.measures import formation
 from flocking.types import Bools, Floats
 from tests.flocking.kinematic.herds import poses
 
@@ -46,7 +47,7 @@ def orders(count: int, noise: float, density: float = 4.0, steps: int = 800, see
             speeds_m_s=0.03,
             every=10,
         )
-        found.append(measures.polarization(history.headings_w)[-steps // 20 :].mean())
+        found.append(formation.polarization(history.headings_w)[-steps // 20 :].mean())
     return np.array(found)
 
 
@@ -93,7 +94,7 @@ class TestVicsek:
             every=600,
             synchronous=False,
         )
-        assert measures.polarization(history.headings_w)[-1] > 0.95
+        assert formation.polarization(history.headings_w)[-1] > 0.95
 
 
 @cache

@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from flocking import lawentry, measures, selection
+from flocking import lawentry, selection
 from flocking.kinematic import Band, History, Space, simulate, start_uniform
+from flocking.measures import formation
 from flocking.types import NO_OBSTACLES, Floats, Kind, Members, Motion, Own
 
 EXACT = 1e-12
@@ -92,17 +93,17 @@ class TestSelfishHerd:
     def test_rules_of_the_nearest_neighbour_make_many_small_groups(self, name: str) -> None:
         for seed in range(5):
             end = herd(name, square(self.MEMBERS, self.SIDE, seed), self.STEPS).positions_w[-1]
-            assert measures.number_of_groups(end, self.LINK) >= 3
+            assert formation.number_of_groups(end, self.LINK) >= 3
             # each is with its group: two repulsion distances, and most far nearer
-            assert np.median(measures.nearest_neighbour_distance(end)) < 2.0
+            assert np.median(formation.nearest_neighbour_distance(end)) < 2.0
 
     def test_local_crowded_horizon_makes_one_compact_group(self) -> None:
         for seed in range(5):
             starts = square(self.MEMBERS, self.SIDE, seed)
             end = herd("viscido-lch", starts, self.STEPS).positions_w[-1]
-            assert measures.number_of_groups(end, self.LINK) == 1
+            assert formation.number_of_groups(end, self.LINK) == 1
             # steps of one body-length that pass the centre keep the members within one of it
-            assert measures.mmd(end) < 1.0
+            assert formation.mmd(end) < 1.0
 
     def test_snn_steps_one_body_length_and_stops_at_two(self) -> None:
         assert_allclose(moved(decide("viscido-snn", [[3.0, 4.0], [0.0, -6.0]])), [0.6, 0.8], atol=EXACT)
@@ -195,15 +196,15 @@ class TestLocalCrowdedHorizon:
             for seed in range(10)
         ]
         # table 4.1 prints 0.05; ten trials' mean has a standard error of 0.0015
-        assert np.mean([measures.mmd(end) for end in ends]) == pytest.approx(0.05, abs=0.005)
+        assert np.mean([formation.mmd(end) for end in ends]) == pytest.approx(0.05, abs=0.005)
 
     @pytest.mark.parametrize("name", LCH)
     def test_two_groups_out_of_range_stay_two(self, name: str) -> None:
         starts = square(50, 3.5, 1)
         starts[:25, 0] += 9.9
         end = herd(name, starts, 75, selection_text="distance-based(0, 3)").positions_w[-1]
-        assert measures.number_of_groups(end, 3.0) == 2
-        assert all(measures.number_of_groups(half, 0.5) == 1 for half in (end[:25], end[25:]))
+        assert formation.number_of_groups(end, 3.0) == 2
+        assert all(formation.number_of_groups(half, 0.5) == 1 for half in (end[:25], end[25:]))
 
     def test_group_centric_laws_follow_the_largest_cluster_and_member_centric_ones_the_mean(self) -> None:
         pair, third = [[2.0, 0.1], [2.0, -0.1]], [[0.0, 3.0]]
@@ -392,15 +393,15 @@ class TestFishSchools:
 
     def test_without_noise_a_school_comes_to_one_heading_and_stays_together(self) -> None:
         track = herd("lopez", square(30, 4.0, 2), 200, dt=0.1, speed=1.0, noise=0.0)
-        polarization = measures.polarization(track.headings_w)
+        polarization = formation.polarization(track.headings_w)
         assert polarization[0] < 0.5
         assert polarization[-1] > 0.99
-        assert measures.number_of_groups(track.positions_w[-1], 5.0) == 1
+        assert formation.number_of_groups(track.positions_w[-1], 5.0) == 1
 
     def test_noise_stronger_than_alignment_destroys_the_order(self) -> None:
         track = herd("lopez", square(30, 4.0, 2), 200, dt=0.1, speed=1.0, noise=20.0)
         # headings then are independent: polarization is 1 / sqrt(30) = 0.18 on average; three times that
-        assert np.mean(measures.polarization(track.headings_w[50:])) < 0.55
+        assert np.mean(formation.polarization(track.headings_w[50:])) < 0.55
 
 
 class TestRandomMotion:

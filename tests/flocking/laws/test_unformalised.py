@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from flocking import measures
 from flocking.kinematic.herd import Space, start_uniform
+from flocking.measures import formation
 from flocking.types import Kind
 from tests.flocking.laws.asking import ask, run
 
@@ -121,8 +121,8 @@ class TestOpenSteer:
             space=Space("periodic", side),
         )
         # pilot runs of six seeds gave 0.98 to 1.00 of order and 5.0 to 5.2 m between nearest boids
-        assert measures.polarization(history.headings_w[-1]) > 0.95
-        nearest = measures.nearest_neighbour_distance(history.positions_w[-1], side).mean()
+        assert formation.polarization(history.headings_w[-1]) > 0.95
+        nearest = formation.nearest_neighbour_distance(history.positions_w[-1], side).mean()
         assert 4.5 < nearest < 5.5
 
 
@@ -152,9 +152,9 @@ class TestKline:
         poses = start_uniform(20, 9.0, np.random.default_rng(0))
         history = run("reynolds-kline", poses, steps=1000, dt=0.05, speed=1.0, every=100)
         # urges of constant size overshoot by up to a step's worth: within a tenth of w4
-        assert measures.nearest_neighbour_distance(history.positions_w[5:]).mean() == pytest.approx(2.0, rel=0.1)
+        assert formation.nearest_neighbour_distance(history.positions_w[5:]).mean() == pytest.approx(2.0, rel=0.1)
         # order by itself is below 0.3 for twenty directions at random
-        assert measures.polarization(history.headings_w[5:]).mean() > 0.9
+        assert formation.polarization(history.headings_w[5:]).mean() > 0.9
 
 
 class TestMataric:
@@ -209,7 +209,7 @@ class TestMataric:
         poses = start_uniform(12, 8.0, np.random.default_rng(2))
         home = np.tile([20.0, 4.0], (12, 1))
         history = run("mataric", poses, steps=1500, dt=0.1, speed=0.2, goals_w=home, every=1500)
-        assert measures.number_of_groups(history.positions_w[-1][None], 1.5)[0] == 1
+        assert formation.number_of_groups(history.positions_w[-1][None], 1.5)[0] == 1
         # twelve bodies kept 0.45 m apart need a disc of about 0.9 m; and they mill about
         assert np.hypot(*(history.positions_w[-1].mean(axis=0) - home[0])) < 1.0
 

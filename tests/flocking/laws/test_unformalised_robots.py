@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from flocking import measures
 from flocking.kinematic.herd import Space, start_uniform
 from flocking.laws import arkin_balch, kelly_keating, moshtagh_kirchner
+from flocking.measures import formation as measures
 from flocking.types import Kind, Motion
 from tests.flocking.laws.asking import ask, run
 

@@ -1,0 +1,200 @@
+"""Members recognised by their shape: what the member-based and the member-extrapolated pipeline share.
+
+Fine 2015, section 2.3.1: the scan is split into segments by the distance between consecutive readings, each is
+time-warped to an equal number of readings and compared with the database of members. The readings of an accepted
+segment are the foreground; every other segment is background, and its nearest point an obstacle.
+
+Where it fails, by its nature: members that touch side by side or stand in front of a wall nearer than the splitting
+distance are one segment with it and rejected (false negatives); a piece of wall, box or post of a member's width is
+accepted (false positives), the more so the farther it stands, where noise is as large as the arc is deep.
+"""
+
+from __future__ import annotations
+
+import math
+from functools import cache
+from typing import Annotated, NamedTuple
+
+import mujoco
+import numpy as np
+
+from flocking.compilation import compiled
+from flocking.parameters import Parameter
+from flocking.types import Floats, Ints, Members, Obstacles, unknown
+from sensing.shapes.segments import beam_directions, laser_mount, shape_of, split
+from sensing.shapes.templates import group_at, make_templates
+from sensing.shapes.warping import nearest_shape, warp_rows
+from sensing.types import NOBODY, Detection
+
+SAMPLES, BAND = 8, 1
+"""Readings to which each segment is resampled, and samples by which the warping may run ahead. Neither is published;
+`python -m scripts.calibrate_detection` compares: fewer samples average more noise out, and the even stretch of time
+leaves little to warp."""
+
+FINE_RAD = 0.005
+"""Angle between the beams of which the templates are made where a scan has but one beam."""
+
+
+class Parameters(NamedTuple):
+    """What decides which segments are members; not published, so chosen on data of our own.
+
+    The defaults belong to the data-sheet setting of the laser. The same script gives 0.03 and 0.024 m for the ideal
+    one, and 0.15 and 0.041 m for the harsh one, where the defaults would let whole members fall to pieces.
+    """
+
+    split_m: Annotated[float, Parameter("m", "chosen: python -m scripts.calibrate_detection", low=0.0)] = 0.05
+    """Consecutive readings further apart than this belong to different segments; beyond 1 m in proportion to range."""
+    threshold_m: Annotated[float, Parameter("m", "chosen: python -m scripts.calibrate_detection", low=0.0)] = 0.0305
+    """A segment is a member if its warping cost is at most this."""
+
+
+class Recogniser(NamedTuple):
+    """The parameters, the database and scratch space; the compiled code sees the arrays only."""
+
+    split_m: float
+    threshold_m: float
+    band: int
+    mount_x: float
+    mount_y: float
+    directions: Floats
+    """(B, 2) of the beams."""
+    templates: Floats
+    """(K, S, 2) m; these and the next two as in `Templates`."""
+    groups: Ints
+    """(D + 1,)."""
+    limits_m: Floats
+    """(D − 1,)."""
+    points: Floats
+    """(B, 2) scratch."""
+    readings: Ints
+    """(B,) scratch."""
+    starts: Ints
+    """(B + 1,) scratch."""
+    kept: Ints
+    """(B + 1,) scratch."""
+    shape: Floats
+    """(S, 2) scratch."""
+    rows: Floats
+    """Scratch of the warping."""
+
+
+def recogniser(
+    parameters: Parameters,
+    member_model: mujoco.MjModel,
+    member_height_m: float,
+    angles: Floats,
+    samples: int = SAMPLES,
+    band: int = BAND,
+) -> Recogniser:
+    """For scans with beams at `angles` (B,) rad and members like the robot in `member_model`.
+
+    Raises InputError where that robot has no laser, or nothing at the laser's height.
+    """
+    beams = len(angles)
+    mount_x, mount_y, yaw = laser_mount(member_model)
+    step_rad = float(np.median(np.diff(angles))) if beams > 1 else FINE_RAD
+    templates = make_templates(member_model, member_height_m, step_rad, samples, band)
+    points, readings, starts, kept, shape, rows = _scratch(beams, samples)
+    return Recogniser(
+        float(parameters.split_m),
+        float(parameters.threshold_m),
+        band,
+        mount_x,
+        mount_y,
+        beam_directions(angles, yaw),
+        *templates,
+        points,
+        readings,
+        starts,
+        kept,
+        shape,
+        rows,
+    )
+
+
+@cache
+def _scratch(beams: int, samples: int) -> tuple[Floats, Ints, Ints, Ints, Floats, Floats]:
+    """One for all robots of a process: every scan writes it over, and it stays in the processor's cache."""
+    return (
+        np.zeros((beams, 2)),
+        np.zeros(beams, np.int64),
+        np.zeros(beams + 1, np.int64),
+        np.zeros(beams + 1, np.int64),
+        np.zeros((samples, 2)),
+        warp_rows(samples),
+    )
+
+
+def recognise(ranges: Floats, state: Recogniser, average: bool) -> Detection:
+    """The members in `ranges` (B,) m: one input each (`average`), or one for each of their readings."""
+    positions, bearings, obstacles, beams = _recognise(ranges, *state, average)
+    return Detection(Members(positions, bearings, *unknown(len(bearings))), Obstacles(obstacles), beams)
+
+
+@compiled
+def _recognise(
+    ranges: Floats,
+    split_m: float,
+    threshold_m: float,
+    band: int,
+    mount_x: float,
+    mount_y: float,
+    directions: Floats,
+    templates: Floats,
+    groups: Ints,
+    limits_m: Floats,
+    points: Floats,
+    readings: Ints,
+    starts: Ints,
+    kept: Ints,
+    shape: Floats,
+    rows: Floats,
+    average: bool,
+) -> tuple[Floats, Floats, Floats, Ints]:
+    """Positions and bearings of the inputs, points of the obstacles, the row of each beam; all newly made.
+
+    `kept` lists the segments that are members from its start, and those that are obstacles from its end.
+    """
+    segments, _ = split(ranges, directions, mount_x, mount_y, split_m, points, readings, starts)
+    members, foreground = 0, 0
+    for s in range(segments):
+        start, end = starts[s], starts[s + 1]
+        group = group_at(shape_of(points, readings, start, end, mount_x, mount_y, shape), limits_m)
+        alike = templates[groups[group] : groups[group + 1]]
+        if nearest_shape(shape, alike, band, threshold_m, threshold_m, rows) <= threshold_m:
+            kept[members] = s
+            members += 1
+            foreground += end - start
+        else:
+            kept[len(kept) - 1 - (s - members)] = s
+
+    inputs = members if average else foreground
+    positions, bearings = np.zeros((inputs, 2)), np.empty(inputs)
+    beams = np.full(len(ranges), NOBODY, np.int64)
+    row = 0
+    for m in range(members):
+        start, end = starts[kept[m]], starts[kept[m] + 1]
+        for k in range(start, end):
+            beam = readings[k]
+            positions[row, 0] += points[beam, 0]
+            positions[row, 1] += points[beam, 1]
+            beams[beam] = row
+            if not average:
+                row += 1
+        if average:
+            positions[row, 0] /= end - start
+            positions[row, 1] /= end - start
+            row += 1
+    for row in range(inputs):
+        bearings[row] = math.atan2(positions[row, 1], positions[row, 0])
+
+    obstacles = np.empty((segments - members, 2))
+    for k in range(segments - members):
+        s = kept[len(kept) - 1 - k]
+        nearest = readings[starts[s]]
+        for i in range(starts[s], starts[s + 1]):
+            if ranges[readings[i]] < ranges[nearest]:
+                nearest = readings[i]
+        obstacles[k, 0] = points[nearest, 0]
+        obstacles[k, 1] = points[nearest, 1]
+    return positions, bearings, obstacles, beams

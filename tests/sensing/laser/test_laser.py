@@ -1,0 +1,405 @@
+"""What the laser reports: limits, noise, codes, mixed readings, the sweep, and the truth about them."""
+
+import math
+
+import mujoco
+import numpy as np
+import pytest
+
+from flocking.errors import InputError
+from flocking.parameters import checked, declared
+from sensing.laser import readings
+from sensing.laser.hokuyo import ANGLES, MAX_RANGE_M, NORMALS, SETTINGS, Lasers, Parameters
+from sensing.laser.reference import difference
+from sensing.laser.sweep import BEAM_S, SWEEP_S, TURN_S
+from sensing.types import NOBODY
+
+FRONT, BEAMS = 340, 682
+IDEAL, SHEET, HARSH = SETTINGS["ideal"], SETTINGS["datasheet"], SETTINGS["harsh"]
+STILL = SHEET._replace(dropout=0.0)
+EXACT = 1e-9  # m; round-off of a cast
+
+
+def lasers_of(scene, *parameters):
+    each = parameters * len(scene.roots) if len(parameters) == 1 else parameters
+    return Lasers(scene.model, scene.sites, scene.roots, each)
+
+
+def wall_at(distance):
+    """A wall across the x axis, `distance` from the laser of a robot at the origin."""
+    return (0.1 + distance + 0.1, 0.0, math.pi / 2, 20.0, 0.1)
+
+
+def front_readings(arena, distance, parameters, count=3000, seed=1):
+    scene = arena([(0, 0, 0)], [wall_at(distance)])
+    lasers, rng = lasers_of(scene, parameters), np.random.default_rng(seed)
+    return np.array([lasers.read(scene.data, 0, 0.0, rng)[0].ranges[FRONT] for _ in range(count)])
+
+
+def test_every_setting_keeps_its_parameters_bounds():
+    about = declared(Parameters)
+    for setting in SETTINGS.values():
+        for name, value in setting._asdict().items():
+            assert checked(name, value, about[name]) == value
+    assert Parameters() == SHEET
+
+
+def test_ideal_readings_are_the_exact_distances(arena):
+    scene = arena([(0, 0, 0), (2, 0.5, 1)], [wall_at(3.0)])
+    scan, truth = lasers_of(scene, IDEAL).read(scene.data, 0, 1.25, np.random.default_rng(0))
+    np.testing.assert_array_equal(scan.ranges, truth.ranges)
+    assert scan.ranges[FRONT - 100] == pytest.approx(3.0 / math.cos(ANGLES[FRONT - 100]), abs=EXACT)
+    assert scan.time == 1.25
+    np.testing.assert_array_equal(scan.angles, ANGLES)
+    assert np.isnan(scan.intensities).all()
+
+
+@pytest.mark.parametrize(
+    ("distance", "setting", "expected"),
+    [(0.3, SHEET, 0.010), (0.95, SHEET, 0.010), (3.0, SHEET, 0.030), (0.5, HARSH, 0.030), (3.0, HARSH, 0.090)],
+)
+def test_noise_is_that_of_the_data_sheet(arena, distance, setting, expected):
+    """30 mm, then 3 %: three standard deviations at `datasheet`, one at `harsh`."""
+    count = 3000
+    found = front_readings(arena, distance, setting._replace(dropout=0.0), count)
+    # five standard errors, of a mean and of a standard deviation; rounding to 1 mm adds less than 0.1 %
+    assert abs(found.mean() - distance) < 5 * expected / math.sqrt(count)
+    assert found.std() == pytest.approx(expected, rel=5 / math.sqrt(2 * count))
+
+
+def test_normal_deviates_are_normal():
+    assert abs(NORMALS.mean(dtype=float)) < 1e-7  # symmetric, in single precision
+    assert NORMALS.std(dtype=float) == pytest.approx(1.0, abs=1e-3)  # what 4096 cells lose in the tails
+    assert (abs(NORMALS) > 3).mean() == pytest.approx(0.0026998, abs=2 / 4096)  # a cell at each end
+
+
+def test_readings_are_whole_millimetres(arena):
+    found = front_readings(arena, 1.2345, SHEET._replace(dropout=0.0), 200)
+    np.testing.assert_array_equal(found, np.round(1000 * found) / 1000)
+    exact = front_readings(arena, 1.2345, IDEAL._replace(resolution_mm=1.0), 1)
+    assert exact[0] == 1.235 or exact[0] == 1.234
+
+
+@pytest.mark.parametrize(
+    ("code", "expected"),
+    [
+        (0, math.inf),
+        (6, math.inf),
+        (7, math.nan),
+        (16, math.nan),
+        (18, math.nan),
+        (19, math.nan),
+        (20, 0.02),
+        (5600, 5.6),
+    ],
+)
+def test_codes_read_as_rep_117_has_them(code, expected):
+    np.testing.assert_equal(readings.decoded(float(code)), expected)
+
+
+@pytest.mark.parametrize(
+    ("distance", "expected"), [(5.601, math.inf), (5.599, 5.599), (0.021, 0.021), (0.019, -math.inf)]
+)
+def test_range_limits_are_where_they_are_stated(arena, distance, expected):
+    assert front_readings(arena, distance, IDEAL, 1)[0] == pytest.approx(expected, abs=EXACT)
+
+
+def test_noise_carries_nothing_beyond_what_can_be_reported(arena):
+    found = front_readings(arena, 5.55, STILL, 2000)
+    beyond = found > MAX_RANGE_M
+    assert set(found[beyond]) == {math.inf}
+    # 50 mm are 50 / 55.5 = 0.9 standard deviations: 18.4 %
+    assert beyond.mean() == pytest.approx(0.184, abs=5 * math.sqrt(0.184 * 0.816 / 2000))
+
+
+def test_an_empty_world_returns_nothing(arena):
+    scene = arena([(0, 0, 0)])
+    scan, truth = lasers_of(scene, STILL).read(scene.data, 0, 0.0, np.random.default_rng(0))
+    assert np.all(scan.ranges == math.inf)
+    assert np.all(truth.ranges == math.inf)
+    assert np.all(truth.owners == NOBODY)
+
+
+def test_lost_readings_come_as_often_as_stated(arena):
+    scene = arena([(0, 0, 0)], [wall_at(1.0)])
+    lasers, rng = lasers_of(scene, SHEET._replace(dropout=0.01)), np.random.default_rng(5)
+    count = 300
+    lost = [np.isnan(lasers.read(scene.data, 0, 0.0, rng)[0].ranges).sum() for _ in range(count)]
+    n = count * BEAMS
+    assert sum(lost) / n == pytest.approx(0.01, abs=5 * math.sqrt(0.01 * 0.99 / n) + 1 / 65536)  # and one cell
+
+
+def test_own_body_is_never_seen(arena):
+    scene = arena([(0, 0, 0)], mount=(0.0, 0.0, 0.0))
+    assert np.all(lasers_of(scene, IDEAL).cast(scene.data, 0)[0] == math.inf)
+
+
+def test_every_scan_takes_as_many_draws(arena):
+    """Whatever is seen, whatever the setting: conditions that share streams stay in step."""
+    states = set()
+    for walls in ([], [wall_at(1.0)]):
+        for setting in (SHEET, HARSH, STILL, SHEET._replace(intensity_mode="half-resolution")):
+            scene = arena([(0, 0, 0), (0.6, 0, 0)], walls)
+            streams = [np.random.default_rng(seed) for seed in (1, 2)]
+            lasers_of(scene, setting).read(scene.data, 0, 0.0, *streams)
+            states.add(tuple(stream.bit_generator.state["state"]["state"] for stream in streams))
+    assert len(states) == 1
+
+
+def test_the_same_seed_gives_the_same_scan_and_reading_intensity_changes_no_range(arena):
+    scene = arena([(0, 0, 0), (1, 0.3, 0)], [wall_at(2.0)])
+    lasers = lasers_of(scene, HARSH)
+    first, _ = lasers.read(scene.data, 0, 0.0, np.random.default_rng(3))
+    again, _ = lasers.read(scene.data, 0, 0.0, np.random.default_rng(3), np.random.default_rng(4))
+    np.testing.assert_array_equal(first.ranges, again.ranges)
+    assert not np.array_equal(first.ranges, lasers.read(scene.data, 0, 0.0, np.random.default_rng(4))[0].ranges)
+
+
+def test_readings_follow_qpos_without_lag(arena):
+    scene = arena([(0, 0, 0), (2, 0, 0)])
+    lasers = lasers_of(scene, IDEAL)
+    for x in (1.0, 1.5):
+        scene.put(1, x, 0.0, 0.0)
+        assert lasers.read(scene.data, 0, 0.0, np.random.default_rng(0))[0].ranges[FRONT] == pytest.approx(x - 0.25)
+
+
+# mixed readings
+
+
+def edge_scans(arena, parameters, poses=400):
+    """Scans of a robot 1.5 m off in front of a wall 3 m off, at many bearings."""
+    rng = np.random.default_rng(7)
+    scene = arena([(0, 0, 0), (0, 0, 0)], [wall_at(3.0)])
+    lasers = lasers_of(scene, parameters)
+    for _ in range(poses):
+        bearing = rng.uniform(-0.3, 0.3)
+        scene.put(1, 0.1 + 1.5 * math.cos(bearing), 1.5 * math.sin(bearing), 0.0)
+        yield lasers.read(scene.data, 0, 0.0, rng, rng)
+
+
+def between(scan, truth):
+    """Readings that stand clear of the robot all round (its far side is 1.65 m off) and of the wall."""
+    return (scan.ranges > 1.65 + 0.05) & (scan.ranges < 3.0 - 0.05)
+
+
+def test_an_edge_mixes_as_many_readings_as_the_footprint_covers_beams(arena):
+    quiet = IDEAL._replace(footprint_rad=0.010)
+    # a footprint of 10 mrad over beams 6.14 mrad apart; two edges; the robot's limb is 1.493 m off
+    poses, expected = 400, 2 * 0.010 / (2 * math.pi / 1024)
+    changed = [np.sum(difference(scan.ranges, truth.ranges) > 1e-9) for scan, truth in edge_scans(arena, quiet, poses)]
+    assert np.mean(changed) == pytest.approx(expected, abs=5 * 0.7 / math.sqrt(poses))  # each edge mixes 1 or 2
+    assert {2, 3, 4} >= set(changed)
+
+
+def test_mixed_readings_lie_between_the_two_surfaces_and_belong_to_nobody(arena):
+    quiet = IDEAL._replace(footprint_rad=0.010)
+    shares = []
+    for scan, truth in edge_scans(arena, quiet):
+        mixed = between(scan, truth)
+        assert np.all(truth.owners[mixed] == NOBODY)
+        shares += list((scan.ranges[mixed] - 1.7) / 1.25)
+        on_robot = scan.ranges < 1.5
+        assert np.all(truth.owners[on_robot] == 1)
+    # the edge falls anywhere, and so does the reading: the shares are uniform but for the wall's slope
+    assert np.mean(shares) == pytest.approx(0.5, abs=5 / math.sqrt(12 * len(shares)) + 0.02)
+
+
+def test_without_a_footprint_there_is_nothing_between(arena):
+    assert not any(between(*both).any() for both in edge_scans(arena, IDEAL, 50))
+    assert any(between(*both).any() for both in edge_scans(arena, SHEET, 50))
+
+
+def test_intensities_mix_as_ranges_do(arena):
+    quiet = IDEAL._replace(footprint_rad=0.010)
+    for scan, truth in edge_scans(arena, quiet, 50):
+        for i in np.flatnonzero(between(scan, truth)):
+            others = [j for j in (i - 1, i + 1) if abs(truth.ranges[j] - truth.ranges[i]) > 1.0]
+            assert len(others) == 1
+            share = (scan.ranges[i] - truth.ranges[i]) / (truth.ranges[others[0]] - truth.ranges[i])
+            assert 0.0 < share <= 0.5
+            wall, robot = sorted((scan.intensities[max(i - 3, 0)], scan.intensities[i + 3]))
+            assert wall < scan.intensities[i] < robot
+
+
+def test_beyond_an_edge_into_the_open_nothing_is_mixed(arena):
+    scene = arena([(0, 0, 0), (1.5, 0, 0)])
+    scan, truth = lasers_of(scene, IDEAL._replace(footprint_rad=0.01)).read(
+        scene.data, 0, 0.0, np.random.default_rng(0)
+    )
+    np.testing.assert_array_equal(scan.ranges, truth.ranges)
+
+
+# truth
+
+
+def test_lit_counts_the_beams_across_each_robot(arena):
+    scene = arena([(0, 0, 0), (1.1, 0, 0), (0.1, -2.0, 0)], [wall_at(3.0)])
+    for setting in (IDEAL, HARSH):
+        _, truth = lasers_of(scene, setting).read(scene.data, 0, 0.0, np.random.default_rng(0))
+        for k, distance in ((1, 1.0), (2, 2.0)):
+            assert abs(truth.lit[k] - 2 * math.asin(0.15 / distance) / (2 * math.pi / 1024)) <= 1
+        assert truth.lit[0] == 0
+
+
+def test_a_reading_belongs_to_the_member_whose_surface_it_is_near(arena):
+    scene = arena([(0, 0, 0), (3.1, 0, 0)], [wall_at(4.0)])
+    lasers, rng = lasers_of(scene, HARSH._replace(footprint_rad=0.0)), np.random.default_rng(0)
+    given, lost = 0, 0
+    for _ in range(400):
+        scan, truth = lasers.read(scene.data, 0, 0.0, rng)
+        on_it = (truth.ranges < 3.2) & np.isfinite(scan.ranges)
+        near = (
+            difference(scan.ranges, truth.ranges) <= 3 * 0.03 * truth.ranges + 0.0005
+        )  # and half a millimetre of rounding
+        assert np.all(truth.owners[~on_it] == NOBODY)
+        assert np.all(near[truth.owners == 1])
+        given, lost = given + np.sum(truth.owners == 1), lost + np.sum(on_it & (truth.owners == NOBODY))
+    assert lost / (given + lost) == pytest.approx(0.0027, abs=5 * math.sqrt(0.0027 / (given + lost)))
+
+
+def test_truth_is_left_out_where_nobody_keeps_it(arena):
+    scene = arena([(0, 0, 0)], [wall_at(1.0)])
+    _, truth = lasers_of(scene, SHEET).read(scene.data, 0, 0.0, np.random.default_rng(0), keep_truth=False)
+    assert [len(field) for field in truth] == [0, 0, 0]
+
+
+# the sweep
+
+
+def test_the_sweep_takes_two_thirds_of_the_turn():
+    assert abs(TURN_S - 0.1) < 1e-12
+    assert abs(SWEEP_S - 0.0665) < 1e-5  # round-off of the published figure
+
+
+def test_a_sweep_of_a_world_at_rest_is_an_instantaneous_scan(arena):
+    scene = arena([(0, 0, 0.3), (1, 0.5, 0), (0.1, 1.5, 0)], [wall_at(2.0)])
+    lasers = lasers_of(scene, SHEET._replace(sweep=True), SHEET, SHEET)
+    for _ in range(10):
+        lasers.remember(scene.data)
+        scene.data.time += 0.01
+    still = lasers_of(scene, SHEET)
+    slow, slow_truth = lasers.read(scene.data, 0, 0.0, np.random.default_rng(1), np.random.default_rng(2))
+    fast, fast_truth = still.read(scene.data, 0, 0.0, np.random.default_rng(1), np.random.default_rng(2))
+    np.testing.assert_allclose(slow_truth.ranges, fast_truth.ranges, atol=EXACT)
+    np.testing.assert_array_equal(slow.ranges, fast.ranges)
+    np.testing.assert_allclose(slow.intensities, fast.intensities, rtol=1e-9)
+    assert lasers.needs_history
+    assert not still.needs_history
+
+
+def test_each_beam_of_a_sweep_is_read_at_its_own_instant(arena):
+    """Against instantaneous scans at the pose of each beam's instant, laser and neighbour both moving and turning."""
+    scene = arena([(0, 0, 0), (1, 0.5, 0)], [wall_at(2.0), (0, 1.5, 0, 3, 0.1)])
+
+    def go(time):
+        scene.data.time = time
+        scene.put(0, 0.4 * time, -0.1 * time, 2.0 * time)
+        scene.put(1, 1.0 - 0.5 * time, 0.5 + 0.2 * time, 0.0)
+
+    lasers, still = lasers_of(scene, IDEAL._replace(sweep=True)), lasers_of(scene, IDEAL)
+    end = 0.2
+    for step in range(21):
+        go(0.01 * step)
+        lasers.remember(scene.data)
+    _, truth = lasers.read(scene.data, 0, end, np.random.default_rng(0))
+    expected = np.empty(BEAMS)
+    for i in range(BEAMS):
+        go(end - (BEAMS - 1 - i) * BEAM_S)
+        expected[i] = still.cast(scene.data, 0)[0][i]
+    differences = difference(truth.ranges, expected)
+    # headings between steps: the chord of 0.02 rad stands off its arc by 5e-7 rad; a few beams at edges flip
+    assert np.sum(differences > 1e-4) <= 3
+    go(end)
+    assert np.median(difference(still.cast(scene.data, 0)[0], truth.ranges)) > 0.01  # the first beams are 66 ms old
+
+
+def test_driving_at_a_wall_shortens_a_sweep_by_the_way_driven(arena):
+    scene = arena([(0, 0, 0)], [wall_at(2.0)])
+    lasers = lasers_of(scene, IDEAL._replace(sweep=True))
+    for step in range(21):
+        scene.data.time = 0.01 * step
+        scene.put(0, 0.5 * (scene.data.time - 0.2), 0.0, 0.0)
+        lasers.remember(scene.data)
+    scan, _ = lasers.read(scene.data, 0, 0.2, np.random.default_rng(0))
+    ages = (BEAMS - 1 - np.arange(BEAMS)) * BEAM_S
+    ahead = abs(ANGLES) < 1.0
+    np.testing.assert_allclose(scan.ranges[ahead], ((2.0 + 0.5 * ages) / np.cos(ANGLES))[ahead], atol=EXACT)
+
+
+def test_a_world_set_back_in_time_forgets(arena):
+    scene = arena([(0, 0, 0)], [wall_at(2.0)])
+    lasers = lasers_of(scene, IDEAL._replace(sweep=True))
+    for step in range(10):
+        scene.data.time = 1.0 + 0.01 * step
+        scene.put(0, -0.1 * step, 0.0, 0.0)
+        lasers.remember(scene.data)
+    scene.data.time = 0.0
+    scene.put(0, 0.0, 0.0, 0.0)
+    scan, _ = lasers.read(scene.data, 0, 0.0, np.random.default_rng(0))
+    assert scan.ranges[FRONT] == pytest.approx(2.0, abs=EXACT)
+
+
+# mounting, other movers, errors
+
+
+def test_mounts_walls_and_silhouettes_are_told(arena):
+    scene = arena([(1, 2, 3), (0, 0, 0)], [wall_at(1.0)], mount=(0.05, -0.02, 0.4))
+    lasers = lasers_of(scene, SHEET)
+    np.testing.assert_allclose(lasers.mounts, [[0.05, -0.02, 0.4]] * 2, atol=1e-12)
+    assert lasers.walls_w.shape == (4, 4)
+    np.testing.assert_allclose(lasers.silhouette_radii, 0.15)
+
+
+def test_doors_and_mocap_bodies_are_seen_where_they_stand(arena):
+    def add(spec):
+        door = spec.worldbody.add_body(name="door", pos=[2.0, 0.0, 0.0])
+        door.add_joint(name="hinge", axis=[0, 0, 1])
+        door.add_geom(type=mujoco.mjtGeom.mjGEOM_BOX, size=[0.05, 1, 0.3], pos=[0, 0, 0.3], userdata=[0.5, 0], mass=1)
+        block = spec.worldbody.add_body(name="block", mocap=True, pos=[0.1, 1.0, 0.0])
+        block.add_geom(type=mujoco.mjtGeom.mjGEOM_CYLINDER, size=[0.2, 0.5, 0], userdata=[0.5, 0])
+
+    scene = arena([(0, 0, 0)], edit=add)
+    lasers = lasers_of(scene, IDEAL)
+    scene.data.qpos[scene.model.joint("hinge").qposadr[0]] = 0.2
+    scene.data.mocap_pos[0] = [0.1, 1.5, 0.0]
+    distances, _ = lasers.cast(scene.data, 0)
+    face = 2.0 - 0.05 / math.cos(0.2)  # where the turned door's face crosses the x axis
+    assert distances[FRONT] == pytest.approx(face - 0.1, abs=EXACT)
+    assert distances[FRONT + 256] == pytest.approx(1.3, abs=EXACT)
+    assert lasers.walls_w.shape == (0, 4)
+
+
+def test_a_robot_that_stands_fixed_scans_too():
+    spec = mujoco.MjSpec()
+    spec.nuser_geom = 2
+    post = spec.worldbody.add_body(name="post", pos=[1.0, 0.0, 0.0])
+    post.add_site(name="eye", pos=[0, 0, 0.2])
+    post.add_geom(type=mujoco.mjtGeom.mjGEOM_CYLINDER, size=[0.1, 0.5, 0], userdata=[0.5, 0])
+    spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[0.5, 0, 0], pos=[3, 0, 0.2], userdata=[0.5, 0])
+    model = spec.compile()
+    lasers = Lasers(model, ["eye"], [model.body("post").id], [IDEAL])
+    assert lasers.cast(mujoco.MjData(model), 0)[0][FRONT] == pytest.approx(1.5, abs=EXACT)
+
+
+def test_wrong_mountings_are_named(arena):
+    scene = arena([(0, 0, 0), (1, 0, 0)])
+    model, sites, roots = scene.model, scene.sites, scene.roots
+    with pytest.raises(InputError, match=r"unknown site 'robot-0/lasr'; did you mean robot-0/laser"):
+        Lasers(model, ["robot-0/lasr"], roots[:1], [SHEET])
+    with pytest.raises(InputError, match="'robot-0/laser' is not mounted on body 'robot-1'"):
+        Lasers(model, sites[:1], roots[1:], [SHEET])
+    with pytest.raises(InputError, match="2 sites, 2 roots and 1 sets"):
+        Lasers(model, sites, roots, [SHEET])
+
+    def raise_one(spec):
+        spec.site("robot-1/laser").pos = [0.1, 0.0, 0.2]
+
+    high = arena([(0, 0, 0), (1, 0, 0)], edit=raise_one)
+    with pytest.raises(InputError, match=r"'robot-1/laser' scans at 0\.2 m"):
+        lasers_of(high, SHEET)
+
+    def hang(spec):
+        spec.site("robot-1/laser").quat = [0, 1, 0, 0]
+
+    with pytest.raises(InputError, match="'robot-1/laser' leans"):
+        lasers_of(arena([(0, 0, 0), (1, 0, 0)], edit=hang), SHEET)

@@ -1,0 +1,201 @@
+"""Batches: whatever becomes of one trial, the others are kept, and the number of workers changes nothing."""
+
+from __future__ import annotations
+
+import os
+import signal
+import sqlite3
+import subprocess
+import sys
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+import pytest
+
+from flocking.errors import InputError
+from trials.batch import store
+from trials.batch.batch import Summary, run_batch
+from trials.batch.store import Row, StorageError, Store
+from trials.types import Trial
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+import fake_trials  # by a name that worker processes can import too
+
+
+class Silent:
+    """Progress that only counts."""
+
+    def __init__(self) -> None:
+        self.rows: list[Row] = []
+
+    def say(self, text: str) -> None: ...
+
+    def ended(self, row: Row) -> None:
+        self.rows.append(row)
+
+
+def new_store(folder: Path, trials: Sequence[Trial]) -> Store:
+    run = {"format": 1, "experiment": "fake", "trials": [trial.as_dict() for trial in trials]}
+    return store.create(folder, run, {})
+
+
+def batch(folder: Path, trials: Sequence[Trial], **how: object) -> tuple[Summary, list[Row]]:
+    kept = new_store(folder, trials)
+    options = {"jobs": 2, "run": fake_trials.run, "imports": None} | how
+    summary = run_batch(trials, kept, Silent(), **options)  # type: ignore[arg-type]
+    rows = kept.rows()
+    kept.close()
+    return summary, rows
+
+
+def table(folder: Path) -> list[tuple[object, ...]]:
+    with sqlite3.connect(folder / "results.sqlite") as connection:
+        return connection.execute("SELECT * FROM trials").fetchall()
+
+
+def files(folder: Path) -> dict[str, bytes]:
+    return {path.name: path.read_bytes() for path in sorted((folder / "series").iterdir())}
+
+
+def test_all_trials_are_kept_and_equal_for_any_number_of_workers(tmp_path: Path) -> None:
+    # Later trials end sooner, so that with four workers they end out of order.
+    trials = [fake_trials.trial(k, seconds=0.02 * (9 - k)) for k in range(1, 9)]
+    one, _ = batch(tmp_path / "one", trials, jobs=1)
+    four, _ = batch(tmp_path / "four", trials, jobs=4)
+    assert len(one.rows) == len(four.rows) == 8
+    assert [row.index for row in one.rows] == list(range(1, 9))
+    assert table(tmp_path / "one") == table(tmp_path / "four")
+    assert files(tmp_path / "one") == files(tmp_path / "four")
+
+
+def test_what_goes_wrong_in_one_trial_is_its_own_affair(tmp_path: Path) -> None:
+    acts = ["succeed", "raise", "exit", "kill", "hang", "nan", "sys.exit", "succeed"]
+    trials = [fake_trials.trial(k, act) for k, act in enumerate(acts, start=1)]
+    summary, rows = batch(tmp_path / "run", trials, limit_s=lambda trial: 1.5)
+    reasons = {row.index: row.reason for row in rows}
+    assert [row.index for row in rows] == list(range(1, 9))
+    assert [row.status for row in rows] == ["done", *["failed"] * 6, "done"]
+    assert reasons[2].startswith("ValueError: no such luck in two lines (fake_trials.py, line ")
+    assert reasons[3] == "its worker process died (exit code 3)"
+    assert reasons[4] == "its worker process died (SIGKILL)"
+    assert reasons[5].startswith("did not end within 1.5 s of wall time; law '")
+    assert reasons[6] == "the law returned nan"
+    assert reasons[7].startswith("SystemExit: the law wants out")
+    assert all(row.seed == 1 for row in rows)
+    assert not summary.stopped
+
+
+def test_a_law_that_never_returns_is_named_and_one_that_is_slow_is_let_be(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("FAKE_SPINNING", str(tmp_path / "spinning"))
+    trials = [fake_trials.trial(k, act) for k, act in enumerate(["spin watched", "breathe"], start=1)]
+    _, rows = batch(tmp_path / "run", trials, law_limit_s=0.3)
+    reasons = {row.index: (row.status, row.reason) for row in rows}
+    assert reasons[1] == ("failed", "law 'extended-hamilton' did not return within 0.3 s of wall time")
+    assert reasons[2] == ("done", "")
+
+
+def test_only_what_is_asked_for_is_recorded(tmp_path: Path) -> None:
+    trials = [fake_trials.trial(k) for k in (1, 2, 3)]
+    batch(tmp_path / "run", trials, recorded=frozenset({2}), scans="all")
+    found = list((tmp_path / "run" / "recordings").iterdir())
+    assert [path.name for path in found] == ["0002.rrd"]
+    assert found[0].read_bytes() == b"all 2"
+
+
+def test_a_full_disk_stops_the_batch_and_fails_no_trial(tmp_path: Path) -> None:
+    trials = [fake_trials.trial(1), fake_trials.trial(2, "disk", seconds=0.3), fake_trials.trial(3, seconds=5)]
+    with pytest.raises(StorageError, match="No space left"):
+        batch(tmp_path / "run", trials)
+    assert [row[:2] for row in table(tmp_path / "run")] == [(1, "done")]
+
+
+def test_workers_that_all_die_at_once_end_in_one_line(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="worker processes die before they run a trial"):
+        batch(tmp_path / "run", [fake_trials.trial(1), fake_trials.trial(2)], imports=fake_trials.die)
+
+
+def test_imports_that_fail_are_left_to_the_trial_to_tell(tmp_path: Path) -> None:
+    summary, _ = batch(tmp_path / "run", [fake_trials.trial(1)], imports=fake_trials.refuse)
+    assert summary.rows[0].status == "done"
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_a_warm_up_that_dies_does_no_harm(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, jobs: int) -> None:
+    """Nor does it keep the rest from being warmed up."""
+    marker = tmp_path / "warm"
+    monkeypatch.setenv("FAKE_MARKED", str(marker))
+    trials = [fake_trials.trial(1), fake_trials.trial(2)]
+    warm_up = [fake_trials.trial(9, "exit"), fake_trials.trial(8, "mark")]
+    summary, _ = batch(tmp_path / "run", trials, warm_up=warm_up, jobs=jobs)
+    assert [row.status for row in summary.rows] == ["done", "done"]
+    assert marker.exists()
+
+
+BATCH = """
+import sys
+from pathlib import Path
+sys.path[:0] = [{here!r}]
+if __name__ == "__main__":
+    import fake_trials, test_batch
+    trials = [fake_trials.trial(k, act) for k, act in enumerate({acts!r}, start=1)]
+    summary, rows = test_batch.batch(Path({folder!r}), trials)
+    print(summary.stopped, len(rows))
+"""
+
+
+def start_batch(tmp_path: Path, acts: list[str]) -> subprocess.Popen[str]:
+    """A batch in a process group of its own, whose first two trials are kept and a hanging one has begun."""
+    script = tmp_path / "go.py"
+    script.write_text(BATCH.format(here=str(Path(__file__).parents[1]), acts=acts, folder=str(tmp_path / "run")))
+    marker = tmp_path / "spinning"
+    process = subprocess.Popen(
+        [sys.executable, str(script)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+        env={**os.environ, "FAKE_SPINNING": str(marker)},
+    )
+    deadline = time.monotonic() + 60
+    while not (marker.exists() and {1, 2} <= {row[0] for row in table(tmp_path / "run")}):
+        assert process.poll() is None, process.communicate()
+        assert time.monotonic() < deadline
+        time.sleep(0.05)
+    return process
+
+
+def assert_nothing_left(group: int) -> None:
+    """No process of the group lives on (multiprocessing's tracker takes a moment to notice)."""
+    deadline = time.monotonic() + 10
+    while True:
+        try:
+            os.killpg(group, 0)
+        except ProcessLookupError:
+            return
+        assert time.monotonic() < deadline
+        time.sleep(0.05)
+
+
+def test_ctrl_c_stops_compiled_loops_and_keeps_what_has_ended(tmp_path: Path) -> None:
+    process = start_batch(tmp_path, ["succeed", "succeed", "spin", "succeed", "spin", "succeed"])
+    os.killpg(process.pid, signal.SIGINT)  # as a terminal does: to all processes of the group
+    out, err = process.communicate(timeout=30)
+    assert err == ""
+    stopped, kept = map(int, out.split())
+    assert stopped == signal.SIGINT
+    assert {1, 2} <= {row[0] for row in table(tmp_path / "run")}
+    assert kept == len(table(tmp_path / "run"))
+    assert_nothing_left(process.pid)
+
+
+def test_a_killed_parent_leaves_no_process_and_no_broken_file(tmp_path: Path) -> None:
+    process = start_batch(tmp_path, ["succeed", "succeed", "spin", "spin"])
+    process.kill()
+    process.communicate(timeout=30)
+    assert_nothing_left(process.pid)
+    opened = store.opened(tmp_path / "run")
+    assert [row.index for row in opened.rows()] == [1, 2]
+    assert [path.name for path in sorted((tmp_path / "run" / "series").iterdir())] == ["0001.npz", "0002.npz"]

@@ -1,0 +1,135 @@
+"""Users' laws that go wrong in the middle of a real batch: the row names the law, the member and the step."""
+
+from __future__ import annotations
+
+import dataclasses
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+import pytest
+
+from flocking.types import Kind
+from trials.batch import store, worker
+from trials.batch.batch import run_batch
+from trials.batch.store import Row
+from trials.commands import lawcheck
+from trials.design import plan
+from trials.simulations.kinematic.fields import group
+from trials.simulations.kinematic.fields import trial as kinematic
+from trials.types import Trial
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+import slow_trials  # by a name that worker processes can import too
+
+LIMIT_S = 2.0
+"""Of a law: ten times the longest piece of work of a kinematic trial."""
+LAW = """
+import math
+from typing import NamedTuple
+from flocking.types import Kind, Motion
+
+MEMORY = 1
+
+
+class Parameters(NamedTuple):
+    pass
+
+
+def law(own, members, sets, obstacles, parameters, memory, u):
+    memory[0] += 1.0
+    speed = 0.1
+    if own.id == {who} and memory[0] >= 3.0:
+        {does}
+    return Motion(Kind.VELOCITY, speed, 0.0, 0)
+"""
+HANGS, IS_LOST, STAYS_WELL = "while memory[0] >= 3.0:\n            memory[0] += 1.0", "speed = math.nan", "pass"
+
+
+def law_file(folder: Path, name: str, who: int, does: str) -> tuple[str, str]:
+    """The path and the text of a law with which that member does so at its third decision, tried out as by `herd`."""
+    path = folder / f"{name}.py"
+    path.write_text(LAW.format(who=who, does=does))
+    lawcheck.check(str(path))
+    return str(path), path.read_text()
+
+
+class Silent:
+    """Progress that nobody sees."""
+
+    def say(self, text: str) -> None: ...
+
+    def ended(self, row: Row) -> None: ...
+
+
+def batch(folder: Path, trials: Sequence[Trial], run: worker.Job = worker.run_packed, warm: bool = True) -> list[Row]:
+    """The rows of a batch on one worker."""
+    made = {"format": 1, "experiment": "test", "trials": [trial.as_dict() for trial in trials]}
+    kept = store.create(folder, made, {})
+    warm_up, imports = trials[-1:] if warm else [], worker.imports_of(trials)
+    run_batch(trials, kept, Silent(), jobs=1, run=run, imports=imports, warm_up=warm_up, law_limit_s=LIMIT_S)
+    rows = sorted(kept.rows(), key=lambda row: row.index)
+    kept.close()
+    return rows
+
+
+def numbered(trials: Sequence[Trial]) -> list[Trial]:
+    return [dataclasses.replace(trial, index=k) for k, trial in enumerate(trials, start=1)]
+
+
+@pytest.mark.parametrize("synchronous", [True, False])
+def test_of_a_kinematic_batch(tmp_path: Path, synchronous: bool) -> None:
+    """In one group of members, in the second of two, and healthy ones afterwards."""
+    hangs, lost = law_file(tmp_path, "hangs", 5, HANGS), law_file(tmp_path, "lost", 5, IS_LOST)
+    laws = [[hangs], [("vicsek", ""), hangs], [("vicsek", ""), lost], [lost], [("vicsek", "")]]
+    trials = [
+        kinematic(
+            "test",
+            1,
+            [
+                dataclasses.replace(group(law, 9 if len(named) == 1 else 4, name=f"g{k}"), law_source=source)
+                for k, (law, source) in enumerate(named)
+            ],
+            steps=20,
+            world="unbounded",
+            synchronous=synchronous,
+        )
+        for named in laws
+    ]
+    rows = batch(tmp_path / "run", numbered(trials))
+    hung = f"law {hangs[0]!r} did not return within 2 s of wall time for member 6 at step 3"
+    gave = (
+        f"law {lost[0]!r} returned kind {int(Kind.VELOCITY)}, x nan, y 0 for member 6 at step 3; "
+        "expected a kind of 0 to 5 and finite numbers"
+    )
+    assert [row.reason for row in rows] == [hung, hung, gave, gave, ""]
+    assert [row.status for row in rows] == [*["failed"] * 4, "done"]
+
+
+def robots(law: tuple[str, str] | None = None) -> Trial:
+    """Six Creates that update at 0, 0.1, 0.2 … s."""
+    base = plan("detection-case-study", repeats=1).trials[1]
+    changed = dataclasses.replace(base.groups[0], phase="together", pipeline="perfect", rate_hz=10.0)
+    if law is not None:
+        changed = dataclasses.replace(changed, law=law[0], law_source=law[1], law_parameters={})
+    return dataclasses.replace(base, duration_s=0.5, groups=(changed,))
+
+
+def test_of_a_physical_batch(tmp_path: Path) -> None:
+    hangs, lost = law_file(tmp_path, "hangs", 1, HANGS), law_file(tmp_path, "lost", 1, IS_LOST)
+    trials = [robots(hangs), robots(lost), robots()]
+    names = [f"{trial.groups[0].name}-2" for trial in trials]
+    rows = batch(tmp_path / "run", numbered(trials))
+    assert rows[0].reason == f"law {hangs[0]!r} did not return within 2 s of wall time for {names[0]} at 0.20 s"
+    assert rows[1].reason.startswith(f"law {lost[0]!r} returned kind {int(Kind.VELOCITY)}, x nan")
+    assert rows[1].reason.endswith(f"for {names[1]} at 0.20 s")
+    assert [row.status for row in rows] == ["failed", "failed", "done"]
+
+
+@pytest.mark.parametrize("kind", ["kinematic", "physical"])
+def test_what_is_compiled_in_a_trial_does_not_count(tmp_path: Path, kind: str) -> None:
+    """Neither the kernel's import nor a robot's first look may end a healthy trial, though they exceed the limit."""
+    assert slow_trials.SLOW_S > LIMIT_S
+    healthy = {"kinematic": kinematic("test", 1, [group("vicsek", 9)], steps=20), "physical": robots()}
+    (row,) = batch(tmp_path / "run", [healthy[kind]], run=slow_trials.run, warm=False)
+    assert (row.status, row.reason) == ("done", "")

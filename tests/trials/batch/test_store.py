@@ -1,0 +1,242 @@
+"""A run's folder: what has a row is whole, nothing is overwritten, damage is told in one line."""
+
+from __future__ import annotations
+
+import dataclasses
+import errno
+import json
+import math
+import os
+import sqlite3
+import sys
+from pathlib import Path
+
+import pytest
+
+from flocking.errors import InputError
+from trials.batch import store
+from trials.batch.store import DIED, Row, StorageError, Store
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+import fake_trials
+
+TRIALS = [fake_trials.trial(k) for k in (1, 2, 3)]
+
+
+def new(folder: Path) -> Store:
+    run = {"format": 1, "experiment": "fake", "seed": 1, "trials": [trial.as_dict() for trial in TRIALS]}
+    return store.create(folder, run, {"mine.py": "law = 1\n"})
+
+
+def row(index: int, **measures: float) -> Row:
+    return Row(index, "done", "", 1, 1, {"herd.law.exclusion_m": 0.5}, measures)
+
+
+def refused(folder: Path, words: str) -> None:
+    """Opening fails in one line and changes no byte of what is there."""
+    before = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+    with pytest.raises(InputError, match=words) as caught:
+        store.opened(folder)
+    assert "\n" not in str(caught.value)
+    assert {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()} == before
+
+
+def test_what_is_kept_comes_back_in_order_of_index(tmp_path: Path) -> None:
+    kept = new(tmp_path / "run")
+    kept.add(row(3, mmd=0.1), b"series 3", None, {"seconds": 2.0, "loop_s": 1.5})
+    kept.add(row(1, mmd=math.nan), b"series 1", b"recording 1", {"seconds": 1.0})
+    kept.close()
+    again = store.opened(tmp_path / "run")
+    assert [r.index for r in again.rows()] == [1, 3]
+    assert math.isnan(again.rows()[0].measures["mmd"])
+    assert again.rows()[1] == row(3, mmd=0.1)
+    assert again.timing() == {1: {"seconds": 1.0}, 3: {"seconds": 2.0, "loop_s": 1.5}}
+    assert again.trials == TRIALS
+    assert again.recording(1) is not None
+    assert again.recording(3) is None
+    assert (tmp_path / "run" / "series" / "0003.npz").read_bytes() == b"series 3"
+    assert (tmp_path / "run" / "code" / "mine.py").read_text() == "law = 1\n"
+
+
+def test_the_tables_do_not_depend_on_the_order_of_insertion(tmp_path: Path) -> None:
+    tables = []
+    for name, order in (("a", (1, 2, 3)), ("b", (3, 1, 2))):
+        kept = new(tmp_path / name)
+        for index in order:
+            kept.add(row(index, mmd=index / 3), b"x", None, {})
+        tables.append(kept.connection.execute("SELECT * FROM trials").fetchall())
+        kept.close()
+    assert tables[0] == tables[1]
+
+
+def test_a_row_is_the_last_thing_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    kept = new(tmp_path / "run")
+
+    def full(descriptor: int) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(os, "fsync", full)
+    with pytest.raises(StorageError, match=r"cannot write .*0001.npz: No space left on device"):
+        kept.add(row(1), b"series", b"recording", {})
+    assert kept.rows() == []
+    assert list((tmp_path / "run" / "series").iterdir()) == []
+    monkeypatch.undo()
+    kept.add(row(1), b"series", b"recording", {})
+    assert [r.index for r in kept.rows()] == [1]
+
+
+def test_a_full_disk_under_the_tables_loses_no_earlier_row(tmp_path: Path) -> None:
+    kept = new(tmp_path / "run")
+    kept.add(row(1), None, None, {})
+    pages = kept.connection.execute("PRAGMA page_count").fetchone()[0]
+    kept.connection.execute(f"PRAGMA max_page_count = {pages}")
+    big = Row(2, "failed", "x" * 100_000, 1, 1, {}, {})
+    with pytest.raises(StorageError, match="full"):
+        kept.add(big, None, None, {})
+    kept.close()
+    assert [r.index for r in store.opened(tmp_path / "run").rows()] == [1]
+
+
+def test_a_trial_cannot_be_kept_twice(tmp_path: Path) -> None:
+    kept = new(tmp_path / "run")
+    kept.add(row(1, mmd=1.0), None, None, {})
+    with pytest.raises(StorageError, match="UNIQUE"):
+        kept.add(row(1, mmd=2.0), None, None, {})
+    assert kept.rows() == [row(1, mmd=1.0)]
+
+
+def test_a_trial_that_lost_its_worker_gives_way_to_its_repetition(tmp_path: Path) -> None:
+    kept = new(tmp_path / "run")
+    kept.add(dataclasses.replace(row(1), status="failed", reason=f"{DIED} (SIGKILL)"), None, None, {"seconds": 1.0})
+    kept.add(row(1, mmd=2.0), None, None, {"seconds": 2.0})
+    assert kept.rows() == [row(1, mmd=2.0)]
+    assert kept.timing()[1]["seconds"] == 2.0
+
+
+def test_a_folder_with_a_run_is_not_used_again(tmp_path: Path) -> None:
+    new(tmp_path / "run").close()
+    before = (tmp_path / "run" / "run.json").read_bytes()
+    with pytest.raises(InputError, match="holds a run"):
+        new(tmp_path / "run")
+    assert (tmp_path / "run" / "run.json").read_bytes() == before
+
+
+def test_a_folder_with_other_files_is_refused_and_left_alone(tmp_path: Path) -> None:
+    (tmp_path / "report.html").write_text("mine")
+    with pytest.raises(InputError, match="not empty"):
+        new(tmp_path)
+    assert [path.name for path in tmp_path.iterdir()] == ["report.html"]
+    assert (tmp_path / "report.html").read_text() == "mine"
+
+
+def test_a_file_in_the_place_of_the_folder_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "run").write_text("mine")
+    with pytest.raises(InputError, match="is a file"):
+        new(tmp_path / "run")
+    with pytest.raises(InputError, match="cannot write"):
+        new(tmp_path / "run" / "below")
+    assert (tmp_path / "run").read_text() == "mine"
+
+
+def test_a_start_that_fails_leaves_nothing_half_made(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(descriptor: int) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(os, "fsync", full)
+    with pytest.raises(StorageError, match="No space left"):
+        new(tmp_path / "run")
+    monkeypatch.undo()
+    new(tmp_path / "run").close()
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="root may write everywhere")
+def test_a_folder_that_cannot_be_written_is_refused(tmp_path: Path) -> None:
+    tmp_path.chmod(0o500)
+    with pytest.raises(InputError, match="Permission denied"):
+        new(tmp_path / "run")
+
+
+def test_damage_is_told_and_nothing_is_changed(tmp_path: Path) -> None:
+    kept = new(tmp_path / "run")
+    for index in (1, 2, 3):
+        kept.add(row(index), None, None, {})
+    kept.close()
+    results, run = tmp_path / "run" / "results.sqlite", tmp_path / "run" / "run.json"
+    whole, told = results.read_bytes(), run.read_bytes()
+
+    results.write_bytes(b"not a database, though long enough to be taken for one" * 100)
+    refused(tmp_path / "run", "damaged or is no results file")
+    results.write_bytes(whole[: len(whole) // 2])
+    refused(tmp_path / "run", "damaged")
+    results.write_bytes(whole[:100] + b"\xa5" * (len(whole) - 100))
+    refused(tmp_path / "run", "damaged")
+    results.write_bytes(b"")
+    refused(tmp_path / "run", "not the results of a run")
+    results.unlink()
+    refused(tmp_path / "run", "lacks its results.sqlite")
+    results.write_bytes(whole)
+
+    run.write_bytes(told[:-20])
+    refused(tmp_path / "run", "run.json is damaged")
+    run.write_text("[]")
+    refused(tmp_path / "run", "run.json is damaged")
+    run.write_bytes(b"\xff\xfe")
+    refused(tmp_path / "run", "run.json is damaged")
+    run.write_text(json.dumps(json.loads(told) | {"trials": [{"index": 1}]}))
+    refused(tmp_path / "run", "run.json is damaged")
+    run.unlink()
+    refused(tmp_path / "run", "it has no run.json")
+    run.write_bytes(told)
+    assert len(store.opened(tmp_path / "run").rows()) == 3
+
+
+def test_a_newer_version_is_told(tmp_path: Path) -> None:
+    new(tmp_path / "run").close()
+    path = tmp_path / "run" / "run.json"
+    told = path.read_text()
+    path.write_text(told.replace('"format": 1', '"format": 2'))
+    refused(tmp_path / "run", "has format 2: this version reads 1")
+    path.write_text(told)
+    with sqlite3.connect(tmp_path / "run" / "results.sqlite") as connection:
+        connection.execute("PRAGMA user_version = 2")
+    connection.close()
+    refused(tmp_path / "run", "has format 2, of a newer version")
+
+
+def test_a_missing_or_damaged_series_is_told(tmp_path: Path) -> None:
+    kept = new(tmp_path / "run")
+    kept.add(row(1), b"nonsense", None, {})
+    with pytest.raises(InputError, match=r"0001.npz: damaged series"):
+        kept.series(1)
+    with pytest.raises(InputError, match="trial 2 left no series"):
+        kept.series(2)
+
+
+def test_folders_are_numbered_and_the_newest_is_found(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="no run below"):
+        store.newest(base=tmp_path)
+    first, second = store.next_folder("fake", tmp_path), store.next_folder("fake", tmp_path)
+    assert [first.name, second.name] == ["001", "002"]
+    other = store.next_folder("other", tmp_path)
+    for number, folder in enumerate((second, first, other)):
+        new(folder).close()
+        os.utime(folder / "run.json", (number, number))
+    assert store.newest(base=tmp_path) == other
+    assert store.newest("fake", tmp_path) == first
+    with pytest.raises(InputError, match="no run of nobody"):
+        store.newest("nobody", tmp_path)
+    assert store.next_folder("fake", tmp_path).name == "003"
+
+
+def test_only_one_process_may_run_the_trials_of_a_folder(tmp_path: Path) -> None:
+    new(tmp_path / "run").close()
+    with (
+        store.alone(tmp_path / "run"),
+        pytest.raises(InputError, match="another process"),
+        store.alone(tmp_path / "run"),
+    ):
+        pass
+    half = tmp_path / "run" / "series" / ".0001.npz.123"
+    half.write_bytes(b"of a killed process")
+    with store.alone(tmp_path / "run"):
+        assert not half.exists()

@@ -1,0 +1,61 @@
+"""The bench runs and says what it measured; how fast is not a test's business."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from flocking.errors import InputError
+from flocking.kinematic import plain
+from trials.commands import bench, bench_kinematic
+
+
+def test_every_measure_gives_finite_figures_that_are_saved_and_compared(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(bench, "REPEATS", 1)
+    monkeypatch.setattr(bench, "SECONDS", 0.5)
+    monkeypatch.setattr(bench, "RECORDED_SECONDS", 1.0)
+    monkeypatch.setattr(bench, "BATCH_SECONDS", 1.0)
+    monkeypatch.setattr(bench, "BATCH_TRIALS", 6)
+    monkeypatch.setattr(bench, "GROUP_SIZES", (2, 4))
+    monkeypatch.setattr(bench_kinematic, "SIZES", (100, 200))
+    monkeypatch.setattr(bench_kinematic, "STEPS", 1)
+    left_out = (bench.start_up, bench.whole_experiment)
+    monkeypatch.setattr(bench, "MEASURES", [m for m in bench.MEASURES if m not in left_out])
+    saved = tmp_path / "bench.json"
+    bench.bench(save=saved)
+    figures = json.loads(saved.read_text())
+    assert len(figures) > 15
+    assert all(math.isfinite(run) for figure in figures for run in figure["runs"])
+    assert {figure["met"] for figure in figures} <= {True, False, None}
+    bench.bench(compare=saved)
+    assert "before" in capsys.readouterr().out
+
+
+def test_the_flock_rewritten_in_arrays_moves_as_the_law_says() -> None:
+    band, state, dt = bench_kinematic.small_flock()
+    ours = bench_kinematic.numpy_step(state, band.law.parameters({}), dt)
+    theirs = plain.step([band], state, [np.zeros((bench_kinematic.SMALL, 0))], dt)
+    assert (ours.positions != state.positions).all()
+    # other sums in another order: some ten units of rounding of coordinates up to a hundred metres
+    assert_allclose(ours.positions, theirs.positions, rtol=0.0, atol=1e-12)
+    assert_allclose(ours.velocities, theirs.velocities, rtol=0.0, atol=1e-11)
+
+
+@pytest.mark.parametrize("text", ["", "[1]", "{}x", '[{"name": 1}]'])
+def test_a_file_that_is_no_bench_is_refused(tmp_path: Path, text: str) -> None:
+    path = tmp_path / "bench.json"
+    path.write_text(text)
+    with pytest.raises(InputError, match="no saved bench"):
+        bench.bench(compare=path)
+
+
+def test_a_file_that_cannot_be_written_is_refused_before_anything_is_measured(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="cannot save"):
+        bench.bench(save=tmp_path / "missing" / "bench.json")

@@ -1,0 +1,217 @@
+"""The `herd` command from outside: what it runs, keeps, says and with which code it ends."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import signal
+import sqlite3
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+SHORT = ["detection-case-study", "--repeats", "1", "--only", "1,4,7", "--set", "duration_s=1"]
+"""One trial of each detection, a second each."""
+
+LAW = '''
+import math
+from typing import NamedTuple
+from flocking.types import Kind, Motion
+
+NEEDS = frozenset({"positions"})
+RULES = ("law",)
+
+
+class Parameters(NamedTuple):
+    pass
+
+
+def law(own, members, sets, obstacles, parameters, memory, u):
+    """Straight on; the third member loses its mind."""
+    return Motion(Kind.VELOCITY, math.nan if own.id == 2 else 0.1, 0.0, 0)
+'''
+
+
+def herd(*words: str, cwd: Path) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-m", "trials.commands.cli", *words],
+        cwd=cwd,
+        capture_output=True,
+        text=True,
+        stdin=subprocess.DEVNULL,
+        timeout=300,
+    )
+
+
+def table(folder: Path) -> list[tuple[object, ...]]:
+    with sqlite3.connect(folder / "results.sqlite") as connection:
+        return connection.execute("SELECT * FROM trials").fetchall()
+
+
+def series(folder: Path) -> dict[str, bytes]:
+    return {path.name: path.read_bytes() for path in (folder / "series").iterdir()}
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder of a finished run with two workers, the first trial recorded."""
+    home = tmp_path_factory.mktemp("home")
+    done = herd("run", *SHORT, "--jobs", "2", "--record", "first", cwd=home)
+    assert done.returncode == 0, done.stderr
+    folder = Path("runs/detection-case-study/001")
+    assert "3 trials: 3 done, 0 failed" in done.stdout
+    assert f"herd play {folder} --trial 1" in done.stdout
+    assert f"{folder}/report.html" in done.stdout
+    assert "3 of 3 trials" in done.stderr
+    return home / folder
+
+
+def test_a_run_leaves_all_that_is_needed_to_run_it_again(run: Path) -> None:
+    kept = json.loads((run / "run.json").read_text())
+    assert kept["command"] == "herd run detection-case-study --repeats 1 --set duration_s=1"
+    assert [trial["index"] for trial in kept["trials"]] == [1, 4, 7]
+    assert kept["versions"]["mujoco"]
+    assert kept["cpu"]
+    assert kept["seed"] == 1
+    assert [row[0] for row in table(run)] == [1, 4, 7]
+    assert sorted(series(run)) == ["0001.npz", "0004.npz", "0007.npz"]
+    assert [path.name for path in (run / "recordings").iterdir()] == ["0001.rrd"]
+    assert (run / "report.html").is_file()
+    with sqlite3.connect(run / "results.sqlite") as connection:
+        assert connection.execute("PRAGMA user_version").fetchone() == (1,)
+        assert connection.execute("PRAGMA journal_mode").fetchone() == ("delete",)
+        assert connection.execute("SELECT count(*) FROM timing").fetchone() == (3,)
+
+
+def test_a_resumed_run_equals_an_unbroken_one_with_another_number_of_workers(run: Path, tmp_path: Path) -> None:
+    broken = tmp_path / "broken"
+    shutil.copytree(run, broken)
+    with sqlite3.connect(broken / "results.sqlite") as connection:  # as if killed after the second trial
+        connection.execute("DELETE FROM trials WHERE idx IN (1, 7)")
+        connection.execute("DELETE FROM timing WHERE idx IN (1, 7)")
+    connection.close()
+    (broken / "series" / "0001.npz").unlink()
+    (broken / "series" / "0007.npz").write_bytes(b"of a trial that had no row yet")
+    (broken / "recordings" / "0001.rrd").unlink()
+    done = herd("resume", "broken", "--jobs", "1", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "2 of them now" in done.stdout
+    assert table(broken) == table(run)
+    assert series(broken) == series(run)
+    assert [path.name for path in (broken / "recordings").iterdir()] == ["0001.rrd"]
+
+
+def test_resume_of_a_finished_run_changes_nothing(run: Path) -> None:
+    before = {path: path.read_bytes() for path in run.rglob("*") if path.is_file() and "report" not in path.name}
+    done = herd("resume", cwd=run.parents[2])  # the newest
+    assert done.returncode == 0, done.stderr
+    after = {path: path.read_bytes() for path in before}
+    assert after == before
+
+
+def test_a_law_that_fails_in_the_herd_fails_its_trial_and_the_batch_goes_on(tmp_path: Path) -> None:
+    (tmp_path / "mine.py").write_text(LAW)
+    words = ["detection-case-study", "--repeats", "1", "--law", "mine.py", "--set", "duration_s=1"]
+    done = herd("run", *words, "--out", "out", "--record", "none", cwd=tmp_path)
+    assert done.returncode == 1, done.stderr
+    rows = table(tmp_path / "out")
+    assert len(rows) == 3  # the law has no exclusion distance: one cell a detection
+    assert {row[1] for row in rows} == {"failed"}
+    assert all("herd-3" in str(row[2]) and "nan" in str(row[2]) for row in rows)
+    assert all(row[3] == 1 for row in rows)
+    assert "trial 1 failed (seed 1, repeat 1)" in done.stdout
+    assert "--only 1 --debug" in done.stdout
+    assert (tmp_path / "out" / "code" / "mine.py").read_text() == LAW
+    again = herd("run", *words, "--only", "1", "--debug", cwd=tmp_path)
+    assert again.returncode == 1
+    assert "Traceback (most recent call last)" in again.stderr
+    assert "LawError" in again.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_ctrl_c_keeps_what_has_ended_and_says_how_to_go_on(tmp_path: Path) -> None:
+    process = subprocess.Popen(
+        [
+            sys.executable,
+            "-m",
+            "trials.commands.cli",
+            "run",
+            "detection-case-study",
+            "--out",
+            "my run",
+            "--record",
+            "none",
+        ],
+        cwd=tmp_path,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+    deadline = time.monotonic() + 120
+    while not list(tmp_path.glob("my run/series/*.npz")):
+        assert process.poll() is None, process.communicate()
+        assert time.monotonic() < deadline
+        time.sleep(0.02)
+    os.killpg(process.pid, signal.SIGINT)
+    _, err = process.communicate(timeout=30)
+    assert process.returncode == 130
+    assert "Traceback" not in err
+    kept = len(table(tmp_path / "my run"))
+    assert 0 < kept < 63
+    assert err.endswith(
+        f"herd: stopped; {kept} of 63 trials are kept in my run; finish it with: herd resume 'my run'\n"
+    )
+
+
+def test_a_dry_run_shows_what_would_run_and_writes_nothing(tmp_path: Path) -> None:
+    done = herd("run", *SHORT, "--sweep", "herd.speed_m_s=0.1,0.2", "--dry-run", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "3 of 18 trials" in done.stdout
+    assert "herd.law.repulsion_m" in done.stdout
+    assert "chosen" in done.stdout
+    assert "published" in done.stdout
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_the_world_is_written_for_any_viewer(tmp_path: Path) -> None:
+    import mujoco
+
+    done = herd("world", "detection-case-study", "--out", "world.xml", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "world.xml"))
+    assert [model.body(f"herd-{k}/base").id > 0 for k in range(1, 7)] == [True] * 6
+
+
+def test_help_imports_nothing_heavy(tmp_path: Path) -> None:
+    heavy = {"numpy", "numba", "mujoco", "rerun", "scipy", "matplotlib", "pebble", "rich", "multiprocessing"}
+    done = subprocess.run(
+        [
+            sys.executable,
+            "-c",
+            "import sys; sys.argv = ['herd', '--help']; from trials.commands.cli import main; code = main();"
+            f"print(sorted({heavy!r} & set(sys.modules)), code)",
+        ],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+    )
+    assert done.stdout.splitlines()[-1] == "[] 0"
+
+
+def test_a_reader_that_has_had_enough_is_no_error(tmp_path: Path) -> None:
+    process = subprocess.Popen(
+        [sys.executable, "-m", "trials.commands.cli", "show", "detection-case-study"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        cwd=tmp_path,
+    )
+    assert process.stdout is not None
+    assert process.stderr is not None
+    process.stdout.close()
+    assert process.stderr.read() == b""
+    process.wait(timeout=60)

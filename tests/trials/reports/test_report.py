@@ -1,0 +1,196 @@
+"""The report of a made-up run: the table, the JSON, the page that loads nothing, the figures."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import re
+import sys
+from html.parser import HTMLParser
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+from made_up_run import MadeUpRun, made_up_run
+from synthetic import synthetic_result
+
+from flocking.errors import InputError
+from trials.batch import series, store
+from trials.batch.store import Row, Store
+from trials.evidence.claims import UndecidedError
+from trials.evidence.summary import cells, mean, named
+from trials.reports import report
+from trials.reports.report import shown_interval, shown_number
+from trials.simulations.robots.measures import ABOUT
+from trials.studies.detection import claims, figures
+from trials.studies.detection.claims import supplement
+
+
+def _law(pipeline: str, exclusion: float) -> dict[str, float]:
+    return dict.fromkeys(ABOUT, 0.5) | {
+        "smoothness": 0.1 if pipeline == "member-based" else 0.3,
+        "mmd": 1.0 + exclusion,
+    }
+
+
+def _kept(run: MadeUpRun, folder: Path, experiment: str, with_series: int = 0, missing: int = 0) -> Store:
+    """A run's folder on disk; the first trials with series, the last ones not run."""
+    trials = [trial.as_dict() for trial in run.trials]
+    kept = store.create(folder, {"format": store.FORMAT, "experiment": experiment, "trials": trials}, {})
+    ended = run.finished[: len(run.finished) - missing]
+    for trial, row in zip(run.trials, ended, strict=False):
+        data = None
+        if trial.index <= with_series:
+            pipeline = str(trial.conditions["herd.pipeline"])
+            result = synthetic_result(seed=trial.index, seconds=6.0, scans="none", pipeline=pipeline)
+            data = series.pack(dataclasses.replace(result, trial=trial))
+        told = Row(row.index, row.status, row.reason, 1, row.repeat, dict(row.conditions), dict(row.measures))
+        kept.add(told, data, None, {"seconds": 1.0})
+    return kept
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """63 made-up trials, one failed for a reason with markup in it; series of the first repeat only."""
+    run = made_up_run(_law)
+    reason = "law returned <nan> & stopped"
+    run.finished[-1] = dataclasses.replace(run.finished[-1], status="failed", reason=reason, measures={})
+    path = tmp_path_factory.mktemp("runs") / "detection-case-study" / "001"
+    path.parent.mkdir()
+    _kept(run, path, "detection-case-study", with_series=9).close()
+    return path
+
+
+@pytest.fixture(autouse=True)
+def _experiment(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """The reports' wiring apart from the experiments' files, and away from any real runs."""
+    monkeypatch.chdir(tmp_path)
+    module = SimpleNamespace(claims=claims.claims, figures=figures.figures)
+    known: dict[str, Any] = {"detection-case-study": module}
+    monkeypatch.setattr(report, "_experiment", known.get)
+
+
+class _Page(HTMLParser):
+    """Collects the addresses that a page would load, its figures and its text."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.addresses: list[str] = []
+        self.tags: list[str] = []
+        self.text = ""
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.append(tag)
+        self.addresses += [value or "" for name, value in attrs if name in ("src", "href", "xlink:href", "data")]
+
+    def handle_data(self, data: str) -> None:
+        self.text += data
+
+
+def test_the_page_holds_everything_and_loads_nothing(folder: Path) -> None:
+    report.report(folder)
+    html = (folder / "report.html").read_text(encoding="utf-8")
+    page = _Page()
+    page.feed(html)
+    assert all(address.startswith(("#", "data:image/png;base64,")) for address in page.addresses)
+    assert not re.search(r"url\((?!#)|@import", html)
+    assert {"script", "link", "iframe", "object"}.isdisjoint(page.tags)
+    assert page.tags.count("figure") == 5  # claims, inputs, trajectories, formations, measures
+    assert page.tags.count("svg") == 4
+    assert "law returned <nan> & stopped" in page.text  # as text, not as markup
+    assert "with perfect sensing the behaviours" in page.text
+    assert {path.stem for path in (folder / "figures").iterdir()} == {
+        "claims",
+        "inputs",
+        "trajectories",
+        "formations",
+        "measures",
+    }
+
+
+@pytest.mark.parametrize("columns", [80, 120])
+def test_the_table_fits_the_terminal_and_the_page_is_ever_the_same(
+    folder: Path, columns: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", str(columns))
+    page = folder / "report.html"
+    before = page.read_bytes() if page.exists() else None
+    told = report.report(folder)
+    assert before in (None, page.read_bytes())
+    assert max(len(line) for line in told.splitlines()) <= columns
+    words = " ".join(told.split())
+    assert "62 of 63 trials done, 1 failed" in words
+    assert "trial 63 failed: law returned <nan> & stopped" in words
+    for verdict in ("holds", "does not hold", "undecided"):
+        assert verdict in words
+
+
+def test_json_is_a_list_of_the_claims(folder: Path) -> None:
+    told = json.loads(report.report(folder, as_json=True))
+    assert len(told) == 13
+    assert {entry["agrees"] for entry in told} <= {True, False, None}
+    smooth = told[6]
+    assert smooth["agrees"] is True
+    assert smooth["measured"] == pytest.approx(3.0, rel=0.05)  # 0.3 over 0.1, spread of 1 %
+    assert smooth["low"] < smooth["measured"] < smooth["high"]
+
+
+def test_an_experiment_without_claims_reports_its_measures(tmp_path: Path) -> None:
+    _kept(made_up_run(_law, repeats=3), tmp_path / "run", "of-another-version").close()
+    told = report.report(tmp_path / "run")
+    assert "member-based" in told
+    assert "27 of 27 trials done" in told
+    entries = json.loads(report.report(tmp_path / "run", as_json=True))
+    assert len(entries) == 9 * len(ABOUT)
+    assert (tmp_path / "run" / "report.html").is_file()
+
+
+def test_an_unfinished_run_is_reported_as_such(tmp_path: Path) -> None:
+    _kept(made_up_run(_law), tmp_path / "run", "detection-case-study", missing=63).close()
+    told = report.report(tmp_path / "run")
+    assert "0 of 63 trials done, 63 have not run" in told
+    assert "0 hold, 0 do not hold, 13 undecided" in told
+
+
+def test_a_folder_without_a_run_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError):
+        report.report(tmp_path)
+
+
+def test_supplements_must_have_the_settings_of_the_run(tmp_path: Path) -> None:
+    main = made_up_run(_law)
+    main.folder = tmp_path / "detection-case-study" / "001"
+    with pytest.raises(UndecidedError, match="herd run detection-ideal"):
+        supplement(main, "detection-ideal", {}, ())
+    ideal = made_up_run(_law, pipelines=("perfect", "member-based"), repeats=3, experiment="detection-ideal")
+    ideal.trials = [
+        dataclasses.replace(t, groups=tuple(dataclasses.replace(g, sensors="ideal") for g in t.groups))
+        for t in ideal.trials
+    ]
+    (tmp_path / "detection-ideal").mkdir()
+    _kept(ideal, tmp_path / "detection-ideal" / "001", "detection-ideal").close()
+    found = supplement(main, "detection-ideal", {}, ("herd.sensors",))
+    assert len(found.trials) == 18
+    with pytest.raises(UndecidedError, match=r"herd\.sensors.* = "):
+        supplement(main, "detection-ideal", {}, ())
+
+
+def test_a_cell_is_its_repeats() -> None:
+    run = made_up_run(_law, repeats=5)
+    run.finished[0] = dataclasses.replace(run.finished[0], status="failed", measures={})
+    found = cells(run)
+    assert [(cell.planned, cell.failed, cell.done) for cell in found] == [(5, 1, 4)] + [(5, 0, 5)] * 8
+    assert mean(found[2], "mmd").measured == pytest.approx(2.0, rel=0.03)  # standard error 0.5 %
+    assert named(found[1].conditions) == "member-based, exclusion_m 0.5"
+
+
+def test_numbers_are_shown_in_three_digits() -> None:
+    nan = float("nan")
+    numbers = {1.0: "1.00", 0.12345: "0.123", 123.4: "123", -0.05: "-0.0500", 0.0: "0.00", 2e-5: "2.00e-05"}
+    assert {value: shown_number(value) for value in numbers} == numbers
+    assert shown_number(nan) == "-"
+    assert shown_interval(nan, 1.0) == ""
+    assert shown_interval(0.0, 1.0) == "[0.00, 1.00]"

@@ -1,0 +1,69 @@
+"""With what a run was made: versions, commit, processor. Equal results are promised only where these are equal."""
+
+from __future__ import annotations
+
+import platform
+import subprocess
+from collections.abc import Mapping
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+PACKAGES = ("create-herd", "mujoco", "numba", "numpy", "scipy", "rerun-sdk")
+
+
+def made_with() -> dict[str, Any]:
+    """Versions, the commit and the state of the sources, the type of the processor."""
+    from flocking.compilation import PACKAGES as COMPILED_PACKAGES
+    from flocking.compilation import sources_digest
+
+    return {
+        "versions": {"python": platform.python_version(), **{name: _version(name) for name in PACKAGES}},
+        "commit": _commit(Path(__file__).resolve().parents[2]),
+        "sources": sources_digest((*COMPILED_PACKAGES, "trials", "worlds")),
+        "cpu": _cpu(),
+        "system": platform.platform(),
+    }
+
+
+def differences(before: Mapping[str, Any], now: Mapping[str, Any]) -> list[str]:
+    """What of `made_with` differs and may change results, in words."""
+    old, new = before.get("versions", {}), now["versions"]
+    found = [f"{name} {old.get(name)} → {new[name]}" for name in new if old.get(name) != new[name]]
+    if before.get("sources") != now["sources"]:
+        found.append("the project's sources")
+    if before.get("cpu") != now["cpu"]:
+        found.append(f"processor {before.get('cpu')} → {now['cpu']}")
+    return found
+
+
+def _version(name: str) -> str:
+    try:
+        return metadata.version(name)
+    except metadata.PackageNotFoundError:
+        return ""
+
+
+def _commit(home: Path) -> str:
+    """The commit of the sources, with a + where they were changed since; empty if they are in no repository."""
+    if not (home / ".git").exists():
+        return ""
+
+    def git(*words: str) -> str:
+        return subprocess.run(
+            ["git", "-C", str(home), *words], capture_output=True, text=True, timeout=10, check=True
+        ).stdout.strip()
+
+    try:
+        return git("rev-parse", "HEAD") + ("+" if git("status", "--porcelain", "--untracked-files=no") else "")
+    except (OSError, subprocess.SubprocessError):
+        return ""
+
+
+def _cpu() -> str:
+    try:
+        lines = Path("/proc/cpuinfo").read_text().splitlines()
+    except OSError:
+        lines = []
+    names = {line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")}
+    return ", ".join(sorted(names)) or platform.processor() or platform.machine()

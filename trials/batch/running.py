@@ -1,0 +1,297 @@
+"""Runs: from what is asked for to a folder with every trial in it, begun anew or taken up again."""
+
+from __future__ import annotations
+
+import shlex
+import signal
+import sys
+import traceback
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from datetime import UTC, datetime
+from pathlib import Path
+from time import monotonic
+from typing import Any
+
+from flocking.errors import InputError
+from trials import simulations
+from trials.batch import machine, progress, store, worker
+from trials.batch.batch import run_batch
+from trials.batch.store import Row, Store
+from trials.commands import options
+from trials.design import DEFAULT_SEED, Plan, load, plan
+from trials.simulations import watch
+from trials.types import Trial
+
+SHOWN_FAILURES = 10
+"""Failed trials that the closing words list."""
+RECORD, SCANS = ("all", "first", "none"), ("some", "all")
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What a run is asked to do."""
+
+    experiment: str
+    repeats: int | None = None
+    """None: the experiment's own number."""
+    seed: int = DEFAULT_SEED
+    settings: dict[str, Any] = field(default_factory=dict)
+    sweep: dict[str, list[Any]] = field(default_factory=dict)
+    law: str | None = None
+    pipeline: str | None = None
+    body: str | None = None
+    only: str | None = None
+    record: str | None = None
+    """None: as the experiment says."""
+    scans: str = "some"
+
+    def command(self) -> str:
+        """The command that plans the same trials, whichever of them it then runs."""
+        words = ["herd", "run", self.experiment]
+        if self.repeats is not None:
+            words += ["--repeats", str(self.repeats)]
+        if self.seed != DEFAULT_SEED:
+            words += ["--seed", str(self.seed)]
+        for name in ("law", "pipeline", "body"):
+            if getattr(self, name) is not None:
+                words += [f"--{name}", getattr(self, name)]
+        for key, value in self.settings.items():
+            words += ["--set", f"{key}={_toml(value)}"]
+        for key, values in self.sweep.items():
+            words += ["--sweep", f"{key}={','.join(map(_toml, values))}"]
+        return shlex.join(words)
+
+
+def planned(asked: Asked) -> tuple[Plan, list[Trial]]:
+    """The plan, and those of its trials that are asked for. Users' laws are tried out first.
+
+    Raises `InputError` for anything that does not exist or fit.
+    """
+    check_laws(asked)
+    made = plan(
+        asked.experiment,
+        repeats=asked.repeats,
+        seed=asked.seed,
+        settings=asked.settings,
+        sweep=asked.sweep,
+        law=asked.law,
+        pipeline=asked.pipeline,
+        body=asked.body,
+    )
+    if asked.scans == "all" and all(map(simulations.is_kinematic, made.trials)):
+        raise InputError(f"--scans all: {made.experiment} has no lasers; expected an experiment on robots")
+    for trial in made.trials:
+        simulations.check(trial)
+    if asked.only is None:
+        return made, made.trials
+    wanted = options.only(asked.only, len(made.trials))
+    return made, [made.trials[index - 1] for index in wanted]
+
+
+def record_of(experiment: str) -> str:
+    """Which trials of an experiment are recorded where nobody says."""
+    return str(getattr(load(experiment), "RECORD", "all"))
+
+
+def check_laws(asked: Asked) -> None:
+    """Tries out each law that is a file of the user's own, in a process that can be stopped."""
+    from flocking.lawentry import is_path
+    from trials.commands.lawcheck import check
+    from trials.simulations import AVOIDS
+
+    swept = {**{key: [value] for key, value in asked.settings.items()}, **asked.sweep}
+    laws = [asked.law, *(value for key, values in swept.items() if key.endswith(".law") for value in values)]
+    names = [law.removesuffix(AVOIDS) for law in laws if isinstance(law, str)]
+    for name in dict.fromkeys(filter(is_path, names)):
+        check(name)
+
+
+def start(asked: Asked, out: Path | None, jobs: int) -> int:
+    """Runs what is asked for into a new folder; returns the exit code."""
+    made, chosen = planned(asked)
+    for note in made.notes:
+        print(f"note: {note}", file=sys.stderr)
+    if out is not None and str(out) in ("", "."):
+        raise InputError(f"--out {str(out)!r}: expected a new or empty folder for the run")
+    folder = out if out is not None else store.next_folder(made.experiment)
+    run = {
+        "format": store.FORMAT,
+        "experiment": made.experiment,
+        "command": asked.command(),
+        "repeats": made.repeats,
+        "seed": asked.seed,
+        "settings": asked.settings,
+        "conditions": made.conditions,
+        "sweep": asked.sweep,
+        "law": asked.law,
+        "pipeline": asked.pipeline,
+        "body": asked.body,
+        "only": asked.only,
+        "record": asked.record or record_of(asked.experiment),
+        "scans": asked.scans,
+        "started": datetime.now(UTC).isoformat(timespec="seconds"),
+        **machine.made_with(),
+        "trials": [trial.as_dict() for trial in chosen],
+    }
+    kept = store.create(folder, run, users_files(chosen))
+    try:
+        with store.alone(folder):
+            return _go(kept, jobs)
+    finally:
+        kept.close()
+
+
+def resume(folder: Path, jobs: int) -> int:
+    """Runs the trials of a run that have not ended yet; returns the exit code.
+
+    A trial that failed has ended: the table is the same as if the run had not been interrupted. One that lost its
+    worker to an accident has not.
+    """
+    kept = store.opened(folder)
+    try:
+        with store.alone(folder):
+            changed = machine.differences(kept.run, machine.made_with())
+            if changed:
+                print(
+                    f"note: changed since this run began: {'; '.join(changed)}; results may differ in their last bits",
+                    file=sys.stderr,
+                )
+            return _go(kept, jobs)
+    finally:
+        kept.close()
+
+
+def debug(asked: Asked) -> int:
+    """Runs one trial in this process, keeps nothing, and shows the traceback of what fails; returns the exit code.
+
+    A law that never returns ends the process.
+    """
+    import faulthandler
+
+    from trials.batch.worker import run_packed
+
+    if asked.only is None or not asked.only.strip().isdigit():
+        raise InputError("--debug runs one trial in this process: say which, as in --only 5 --debug")
+    _, (trial,) = planned(asked)
+    faulthandler.enable()
+    watch.arm()
+    faulthandler.register(signal.SIGALRM, chain=True)  # a law that never returns: its traceback, and the end
+    print(f"trial {trial.index}: seed {trial.seed}, repeat {trial.repeat}, {conditions(trial)}", flush=True)
+    try:
+        output = run_packed(trial.as_dict(), asked.scans, (asked.record or record_of(asked.experiment)) != "none")
+        if output.status != "done":  # the loop made it a failed result; once more without the net
+            simulations.run_trial(trial, reraise=True)
+    except Exception:
+        traceback.print_exc()
+        return 1
+    print(f"{output.status}{': ' if output.reason else ''}{output.reason}")
+    for name, value in output.measures.items():
+        print(f"{name:32} {value:.6g}")
+    return 0 if output.status == "done" else 1
+
+
+def conditions(trial: Trial) -> str:
+    """The conditions of a trial in one line."""
+    return ", ".join(f"{key}={_toml(value)}" for key, value in trial.conditions.items()) or "no conditions"
+
+
+def users_files(trials: Sequence[Trial]) -> dict[str, str]:
+    """The texts of the users' law files that take part, under names of their own."""
+    found: dict[str, str] = {}
+    texts = {(group.law, group.law_source): None for trial in trials for group in trial.groups if group.law_source}
+    for law, text in texts:
+        path = Path(law)
+        name, number = path.name, 2
+        while found.get(name, text) != text:
+            name, number = f"{path.stem}-{number}{path.suffix}", number + 1
+        found[name] = text
+    return found
+
+
+def kinds(trials: Sequence[Trial]) -> list[Trial]:
+    """One trial for each set of code that takes part, so that all of it can be compiled beforehand."""
+    found: dict[Any, Trial] = {}
+    for trial in trials:
+        code = tuple((g.body, g.pipeline, g.selection, g.law, g.law_source, g.sensors) for g in trial.groups)
+        found.setdefault(code, trial)
+    return list(found.values())
+
+
+def _go(kept: Store, jobs: int) -> int:
+    """Runs the trials that have no row yet, or lost their worker to an accident."""
+    trials = kept.trials
+    record, scans = kept.run.get("record"), kept.run.get("scans")
+    if record not in RECORD or scans not in SCANS:
+        raise InputError(f"{kept.folder / store.RUN} is damaged: record {record!r}, scans {scans!r}")
+    recorded = {"all": trials, "first": trials[:1], "none": []}[record]
+    ended = {row.index for row in kept.rows() if not row.reason.startswith(store.DIED)}
+    left = [trial for trial in trials if trial.index not in ended]
+    for trial in left:
+        try:
+            simulations.check(trial)
+        except (TypeError, ValueError, KeyError, AttributeError) as error:
+            raise InputError(f"{kept.folder / store.RUN}: trial {trial.index}: {error}") from error
+    started, stopped, new = monotonic(), 0, 0
+    if left:
+        with progress.shown(len(trials), len(ended)) as shown:
+            summary = run_batch(
+                left,
+                kept,
+                shown,
+                jobs=jobs,
+                scans=scans,
+                recorded=frozenset(trial.index for trial in recorded),
+                imports=worker.imports_of(left),
+                warm_up=kinds(left),
+            )
+        stopped, new = summary.stopped, len(summary.rows)
+    rows = kept.rows()
+    if stopped:
+        print(
+            f"herd: stopped; {len(rows)} of {len(trials)} trials are kept in {kept.folder}; "
+            f"finish it with: herd resume {shlex.quote(str(kept.folder))}",
+            file=sys.stderr,
+        )
+        return 128 + stopped
+    _close(kept, rows, new, monotonic() - started)
+    return 1 if any(row.status != "done" for row in rows) else 0
+
+
+def _close(kept: Store, rows: Sequence[Row], new: int, seconds: float) -> None:
+    """The report's table and the closing words, which stand even if there is no making a report."""
+    from trials.reports.report import report
+
+    try:
+        print(report(kept.folder))
+    finally:
+        print("\n".join(["", *_closing(kept, rows, new, seconds)]))
+
+
+def _closing(kept: Store, rows: Sequence[Row], new: int, seconds: float) -> list[str]:
+    """What was run, what failed, where everything is."""
+    folder = kept.folder
+    failed = [row for row in rows if row.status != "done"]
+    done = f"{len(rows) - len(failed)} done, {len(failed)} failed"
+    took = f", {new} of them now, in" if new < len(rows) else " in"
+    lines = [f"{len(rows)} trial{'s' * (len(rows) != 1)}: {done}{took} {progress.duration(seconds)}"]
+    for row in failed[:SHOWN_FAILURES]:
+        lines.append(progress.failure(row))
+        lines.append(f"  once more, with its traceback: {kept.run.get('command')} --only {row.index} --debug")
+    if len(failed) > SHOWN_FAILURES:
+        lines.append(f"… and {len(failed) - SHOWN_FAILURES} more failed; all are in {folder / store.RESULTS}")
+    lines.append(f"results     {folder}")
+    if (folder / "report.html").exists():
+        lines.append(f"report      {folder / 'report.html'}")
+    recorded = [row.index for row in rows if kept.recording(row.index)]
+    if recorded:
+        lines.append(f"recordings  {folder / store.RECORDINGS}, {len(recorded)} of {len(rows)} trials")
+        lines.append(f"play one    herd play {shlex.quote(str(folder))} --trial {recorded[0]}")
+    return lines
+
+
+def _toml(value: Any) -> str:
+    """A value as an option spells it."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    return value if isinstance(value, str) else repr(value)

@@ -1,0 +1,345 @@
+"""A run's folder: what was asked for, a row a trial, its series and its recording.
+
+    run.json            what was asked for and with what it ran: all that is needed to run it again
+    results.sqlite      table `trials`: one row a trial as it ends; table `timing` apart
+    series/0001.npz     trials.batch.series
+    recordings/0001.rrd trials.simulations.robots.recordings
+    code/               users' files that took part
+
+Only one process writes. A trial's series comes first, then its recording (each to a temporary file that is
+synced and renamed), its row last and in a transaction: what has a row is complete, whenever the run was
+killed.
+"""
+
+from __future__ import annotations
+
+import fcntl
+import json
+import os
+import shutil
+import sqlite3
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from flocking.errors import InputError
+from trials.types import Trial, TrialResult
+
+FORMAT = 1
+"""Of run.json and of the tables (`PRAGMA user_version`)."""
+RUN, RESULTS, SERIES, RECORDINGS, CODE = "run.json", "results.sqlite", "series", "recordings", "code"
+_TABLES = """
+CREATE TABLE trials (
+    idx INTEGER PRIMARY KEY,     -- of the trial, from 1
+    status TEXT NOT NULL,        -- done or failed
+    reason TEXT NOT NULL,        -- why it failed, one line
+    seed INTEGER NOT NULL,
+    repeat INTEGER NOT NULL,
+    conditions TEXT NOT NULL,    -- JSON object
+    measures TEXT NOT NULL       -- JSON object; null is nan
+);
+CREATE TABLE timing (
+    idx INTEGER PRIMARY KEY,
+    seconds REAL NOT NULL,       -- wall time of the trial, with its series and recording
+    parts TEXT NOT NULL          -- JSON object, s
+);
+"""
+
+
+class StorageError(InputError):
+    """The disk's trouble, not a trial's: the batch stops, and what was stored is kept."""
+
+
+DIED = "its worker process died"
+"""How the reason of a trial begins that was lost to an accident: resuming runs it again, in place of this row."""
+
+
+@dataclass(frozen=True)
+class Row:
+    """One finished trial, without its series."""
+
+    index: int
+    status: str
+    """`done` or `failed`."""
+    reason: str
+    seed: int
+    repeat: int
+    conditions: dict[str, Any]
+    measures: dict[str, float]
+
+
+@dataclass(frozen=True)
+class Store:
+    """An open run's folder."""
+
+    folder: Path
+    run: Mapping[str, Any]
+    """The content of run.json."""
+    connection: sqlite3.Connection
+
+    @property
+    def trials(self) -> list[Trial]:
+        """All trials of the run, finished or not."""
+        return [Trial.from_dict(trial) for trial in self.run["trials"]]
+
+    def rows(self) -> list[Row]:
+        """The finished trials, by index."""
+        from trials.batch.series import numbers
+
+        with _reading(self.folder / RESULTS):
+            rows = self.connection.execute(
+                "SELECT idx, status, reason, seed, repeat, conditions, measures FROM trials ORDER BY idx"
+            ).fetchall()
+            try:
+                return [
+                    Row(
+                        index, status, reason, seed, repeat, dict(json.loads(conditions)), numbers(json.loads(measures))
+                    )
+                    for index, status, reason, seed, repeat, conditions, measures in rows
+                ]
+            except (TypeError, AttributeError) as error:
+                raise ValueError(error) from error
+
+    def timing(self) -> dict[int, dict[str, float]]:
+        """Wall time (s) of each finished trial in all (`seconds`) and by part."""
+        with _reading(self.folder / RESULTS):
+            rows = self.connection.execute("SELECT idx, seconds, parts FROM timing ORDER BY idx").fetchall()
+            return {index: {"seconds": seconds, **json.loads(parts)} for index, seconds, parts in rows}
+
+    def series(self, index: int) -> TrialResult:
+        """The time series of a trial. Raises `InputError` if it left none."""
+        from trials.batch.series import unpack
+
+        path = self.folder / SERIES / f"{index:04d}.npz"
+        if not path.is_file():
+            raise InputError(f"trial {index} left no series in {self.folder}")
+        with _reading(path):
+            data = path.read_bytes()
+        try:
+            return unpack(data)
+        except InputError as error:
+            raise InputError(f"{path}: {error}") from error
+
+    def has_series(self, index: int) -> bool:
+        """Whether a trial's time series is there."""
+        return (self.folder / SERIES / f"{index:04d}.npz").is_file()
+
+    def recording(self, index: int) -> Path | None:
+        """The recording of a trial, if it was recorded."""
+        path = self.folder / RECORDINGS / f"{index:04d}.rrd"
+        return path if path.is_file() else None
+
+    def add(self, row: Row, series: bytes | None, recording: bytes | None, timing: Mapping[str, float]) -> None:
+        """Keeps a finished trial. Raises `StorageError` if the disk does not take it."""
+        from trials.batch.series import plain
+
+        name = f"{row.index:04d}"
+        if series is not None:
+            write_whole(self.folder / SERIES / f"{name}.npz", series)
+        if recording is not None:
+            write_whole(self.folder / RECORDINGS / f"{name}.rrd", recording)
+        parts = dict(timing)
+        seconds = parts.pop("seconds", 0.0)
+        with _writing(self.folder / RESULTS), self.connection:
+            self.connection.execute("DELETE FROM trials WHERE idx = ? AND reason LIKE ?", (row.index, f"{DIED}%"))
+            self.connection.execute(
+                "INSERT INTO trials VALUES (?, ?, ?, ?, ?, ?, ?)",
+                (
+                    row.index,
+                    row.status,
+                    row.reason,
+                    row.seed,
+                    row.repeat,
+                    json.dumps(row.conditions),
+                    json.dumps(plain(row.measures)),
+                ),
+            )
+            self.connection.execute(
+                "INSERT OR REPLACE INTO timing VALUES (?, ?, ?)", (row.index, seconds, json.dumps(parts))
+            )
+
+    def close(self) -> None:
+        """Closes the tables."""
+        self.connection.close()
+
+
+def create(folder: Path, run: Mapping[str, Any], code: Mapping[str, str]) -> Store:
+    """Starts a run in a new or empty folder; `code` holds the users' files by name.
+
+    Raises `InputError` if the folder holds another run or cannot be written; nothing is ever overwritten.
+    """
+    if folder.exists() and not folder.is_dir():
+        raise InputError(f"{folder} is a file: expected a folder for the run")
+    taken = [name for name in (RUN, RESULTS, SERIES, RECORDINGS, CODE) if (folder / name).exists()]
+    others = [] if taken or not folder.is_dir() else sorted(path.name for path in folder.iterdir())
+    if others:
+        raise InputError(f"{folder} is not empty ({others[0]}): expected a new or empty folder for the run")
+    if taken:
+        raise InputError(
+            f"{folder} holds a run ({taken[0]}): name another folder, or finish it with herd resume {folder}"
+        )
+    try:
+        return _create(folder, run, code)
+    except BaseException:  # what stands half-made is ours: none of it was there before
+        for name in (RUN, RESULTS, SERIES, RECORDINGS, CODE):
+            path = folder / name
+            with suppress(OSError):
+                shutil.rmtree(path) if path.is_dir() else path.unlink(missing_ok=True)
+        raise
+
+
+def _create(folder: Path, run: Mapping[str, Any], code: Mapping[str, str]) -> Store:
+    with _writing(folder):
+        for part in (SERIES, RECORDINGS):
+            (folder / part).mkdir(parents=True)
+        if code:
+            (folder / CODE).mkdir()
+    for name, text in code.items():
+        write_whole(folder / CODE / name, text.encode())
+    with _writing(folder / RESULTS):
+        connection = sqlite3.connect(folder / RESULTS)
+        connection.execute(f"PRAGMA user_version = {FORMAT}")
+        connection.executescript(_TABLES)
+    write_whole(folder / RUN, _run_text(run).encode())
+    return Store(folder, run, connection)
+
+
+def opened(folder: Path) -> Store:
+    """A run's folder that exists. Raises `InputError` if it is none, is damaged or is of a newer version."""
+    run = _read_run(folder)
+    path = folder / RESULTS
+    if not path.is_file():
+        raise InputError(f"{folder} lacks its {RESULTS}: the run cannot be read")
+    with _reading(path):
+        connection = sqlite3.connect(f"{path.absolute().as_uri()}?mode=rw", uri=True)
+        try:
+            version = connection.execute("PRAGMA user_version").fetchone()[0]
+            if version > FORMAT:
+                raise InputError(f"{path} has format {version}, of a newer version: this version reads {FORMAT}")
+            if version < FORMAT:
+                raise InputError(f"{path} is not the results of a run")
+            found = connection.execute("PRAGMA quick_check(1)").fetchone()[0]
+            if found != "ok":
+                raise InputError(f"{path} is damaged ({' '.join(found.split())}); nothing was changed")
+            connection.execute("SELECT idx, status, reason, seed, repeat, conditions, measures FROM trials LIMIT 1")
+        except BaseException:
+            connection.close()
+            raise
+    return Store(folder, run, connection)
+
+
+def newest(experiment: str | None = None, base: Path = Path("runs")) -> Path:
+    """The folder of the newest run below `base`, of one experiment or of any.
+
+    Raises `InputError` if there is none.
+    """
+    found = sorted((path.stat().st_mtime_ns, path) for path in base.glob(f"{experiment or '*'}/*/{RUN}"))
+    if not found:
+        of = f" of {experiment}" if experiment else ""
+        raise InputError(f"no run{of} below {base}/: start one with herd run, or name the run's folder")
+    return found[-1][1].parent
+
+
+def next_folder(experiment: str, base: Path = Path("runs")) -> Path:
+    """Makes and returns the next numbered folder for an experiment: runs/EXPERIMENT/001 and so on."""
+    parent = base / experiment
+    with _writing(parent):
+        parent.mkdir(parents=True, exist_ok=True)
+        number = max((int(path.name) for path in parent.iterdir() if path.name.isdigit()), default=0) + 1
+        while True:
+            folder = parent / f"{number:03d}"
+            try:
+                folder.mkdir()
+                return folder
+            except FileExistsError:
+                number += 1
+
+
+@contextmanager
+def alone(folder: Path) -> Iterator[None]:
+    """Holds the run for this process, and clears away what a killed one left half-written.
+
+    Raises `InputError` if another process is running trials into it.
+    """
+    with _reading(folder / RUN):
+        handle = os.open(folder / RUN, os.O_RDONLY)
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError as error:
+        os.close(handle)
+        raise InputError(f"another process is running the trials of {folder}") from error
+    except OSError:  # a file system without locks
+        pass
+    try:
+        for part in (SERIES, RECORDINGS):
+            for path in (folder / part).glob(".*"):
+                with _writing(path):
+                    path.unlink(missing_ok=True)
+        yield
+    finally:
+        os.close(handle)
+
+
+def write_whole(path: Path, data: bytes) -> None:
+    """Writes a file so that it is there whole or not at all. Raises `StorageError`."""
+    temporary = path.with_name(f".{path.name}.{os.getpid()}")
+    with _writing(path):
+        try:
+            with open(temporary, "wb") as handle:
+                handle.write(data)
+                handle.flush()
+                os.fsync(handle.fileno())
+            os.replace(temporary, path)
+        except BaseException:
+            temporary.unlink(missing_ok=True)
+            raise
+
+
+def _read_run(folder: Path) -> dict[str, Any]:
+    path = folder / RUN
+    if not path.is_file():
+        raise InputError(f"{folder} is not the folder of a run: it has no {RUN}")
+    with _reading(path):
+        data = path.read_bytes()
+    try:
+        run = json.loads(data)
+        version = run["format"]
+        if version != FORMAT:
+            raise InputError(f"{path} has format {version!r}: this version reads {FORMAT}")
+        for trial in run["trials"]:
+            Trial.from_dict(trial)
+        return {**run, "experiment": str(run["experiment"])}
+    except InputError:
+        raise
+    except (ValueError, TypeError, KeyError, AttributeError) as error:
+        raise InputError(f"{path} is damaged ({type(error).__name__}: {error}); nothing was changed") from error
+
+
+def _run_text(run: Mapping[str, Any]) -> str:
+    """run.json: indented, but a line a trial."""
+    head = json.dumps({name: value for name, value in run.items() if name != "trials"}, indent=2, ensure_ascii=False)
+    trials = ",\n".join(f"    {json.dumps(trial, ensure_ascii=False)}" for trial in run["trials"])
+    return f'{head[:-2]},\n  "trials": [\n{trials}\n  ]\n}}\n'
+
+
+@contextmanager
+def _reading(path: Path) -> Iterator[None]:
+    try:
+        yield
+    except InputError:
+        raise
+    except (sqlite3.Error, ValueError) as error:
+        raise InputError(f"{path} cannot be read: it is damaged or is no results file ({error})") from error
+    except OSError as error:
+        raise InputError(f"{path} cannot be read: {error.strerror or error}") from error
+
+
+@contextmanager
+def _writing(path: Path) -> Iterator[None]:
+    try:
+        yield
+    except (sqlite3.Error, OSError) as error:
+        why = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
+        raise StorageError(f"cannot write {path}: {why}") from error

@@ -1,0 +1,167 @@
+"""What a worker process does: one trial, handed back as a row and files in bytes. It keeps nothing itself."""
+
+from __future__ import annotations
+
+import ctypes
+import dataclasses
+import os
+import signal
+import sys
+import tempfile
+import traceback
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+from trials.batch.store import StorageError
+from trials.simulations import PHYSICS, is_kinematic, watch
+from trials.types import Trial, TrialResult
+
+ONE_THREAD = {
+    "OMP_NUM_THREADS": "1",
+    "OPENBLAS_NUM_THREADS": "1",
+    "MKL_NUM_THREADS": "1",
+    "NUMBA_NUM_THREADS": "1",
+    "RAYON_NUM_THREADS": "1",
+}
+"""Environment in which each worker computes with one thread: the workers share the cores among themselves."""
+
+WARM_UP_S = 1.0
+"""Simulated time of the trials that fill the compiled cache: every robot senses and acts a few times."""
+WARM_UP_STEPS = 2
+"""Likewise of a kinematic trial."""
+_PR_SET_PDEATHSIG = 1
+"""From linux/prctl.h."""
+
+
+@dataclass(frozen=True)
+class WorkerOutput:
+    """One finished trial."""
+
+    status: str
+    """`done` or `failed`."""
+    reason: str = ""
+    measures: Mapping[str, float] = field(default_factory=dict)
+    series: bytes | None = None
+    recording: bytes | None = None
+    timing: Mapping[str, float] = field(default_factory=dict)
+    """s; `seconds` is the whole."""
+
+
+Job = Callable[[dict[str, Any], str, bool], WorkerOutput]
+"""(trial as a dict, scans, whether to record) → output; a module's function, so that workers can import it."""
+
+
+def prepare(fill: Callable[[], None] | None, law_limit_s: float, turns: Path) -> None:
+    """At the start of a worker: it dies at once when told to, with its parent, or by its watch; imports what is big.
+
+    In the folder `turns` it keeps whose turn it is.
+    """
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    watch.arm(law_limit_s, turns)
+    if sys.platform == "linux":
+        ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
+    if fill is not None:
+        try:
+            fill()
+        except Exception:  # the trial will say it
+            return
+
+
+def imports() -> None:
+    """Imports all that a physical trial needs."""
+
+
+def kinematic_imports() -> None:
+    """Imports all that a kinematic trial needs: neither MuJoCo nor Rerun."""
+
+
+def imports_of(trials: Sequence[Trial]) -> Callable[[], None]:
+    """What fills a worker for these trials."""
+    return kinematic_imports if all(map(is_kinematic, trials)) else imports
+
+
+def attempt(run: Job, trial: dict[str, Any], scans: str, record: bool) -> WorkerOutput:
+    """What `run` gives; an exception makes the trial a failed one. Raises only `StorageError`."""
+    started = perf_counter()
+    try:
+        output = run(trial, scans, record)
+    except StorageError:
+        raise
+    except BaseException as error:
+        output = WorkerOutput("failed", told(error))
+    return dataclasses.replace(output, timing={"seconds": perf_counter() - started, **output.timing})
+
+
+def run_packed(trial: dict[str, Any], scans: str, record: bool) -> WorkerOutput:
+    """Runs a trial and packs what it gave.
+
+    Raises what the trial raises, and `StorageError` if the temporary folder does not take its recording.
+    """
+    from trials import simulations
+    from trials.batch import series
+
+    result = simulations.run_trial(Trial.from_dict(trial), scans=scans if record else "none")
+    ran = perf_counter()
+    packed = series.pack(result)
+    kept = perf_counter()
+    recording = _recorded(result) if record and len(result.times) else None
+    timing = {**result.timing, "series_s": kept - ran, "recording_s": perf_counter() - kept}
+    return WorkerOutput(result.outcome, one_line(result.reason), dict(result.measures), packed, recording, timing)
+
+
+def warm_up(trial: dict[str, Any], run: Job) -> None:
+    """Fills the compiled cache: a moment of the trial. What fails here will say so in its trial."""
+    attempt(run, moment(trial), "none", False)
+
+
+def moment(trial: dict[str, Any]) -> dict[str, Any]:
+    """The first moment of a trial, for whatever wants it run quickly."""
+    if trial.get("simulation", PHYSICS) == PHYSICS:
+        return {**trial, "duration_s": min(WARM_UP_S, trial["duration_s"])}
+    return {**trial, "kinematics": {**trial["kinematics"], "steps": WARM_UP_STEPS, "every": 1}}
+
+
+def told(error: BaseException) -> str:
+    """An exception in one line: what, and where it arose."""
+    last = traceback.extract_tb(error.__traceback__)[-1:]
+    where = f" ({Path(last[0].filename).name}, line {last[0].lineno})" if last else ""
+    words = one_line(str(error))
+    return f"{type(error).__name__}{': ' if words else ''}{words}{where}"
+
+
+def one_line(text: str) -> str:
+    """`text` with every run of white space as one space, cut to a readable length."""
+    text = " ".join(text.split())
+    return text if len(text) <= 500 else f"{text[:497]}..."
+
+
+def _recorded(result: TrialResult) -> bytes:
+    from trials.simulations import record
+
+    try:
+        with tempfile.TemporaryDirectory(prefix="herd-") as folder:
+            path = Path(folder) / "trial.rrd"
+            record(result, path)
+            return path.read_bytes()
+    except OSError as error:
+        raise StorageError(
+            f"cannot write a recording below {tempfile.gettempdir()}: {error.strerror or error}"
+        ) from error
+
+
+def limit_s(trial: Trial) -> float:
+    """Wall time (s) after which a trial counts as hung: some hundred times what it takes."""
+    robots = sum(group.count for group in trial.groups)
+    if is_kinematic(trial):
+        from trials.simulations.kinematic.fields import of_trial
+
+        return 60.0 + of_trial(trial).steps * robots * (1e-4 + 1e-7 * robots)
+    return 60.0 + trial.duration_s * (1.0 + robots / 10.0)
+
+
+def cores() -> int:
+    """Cores that this process may use."""
+    return len(os.sched_getaffinity(0))

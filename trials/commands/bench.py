@@ -1,0 +1,385 @@
+"""`herd bench`: how fast everything is, as medians over repeated runs in one process.
+
+Every figure stands beside its target. A saved result can be compared with: same machine, before and after a change.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+import json
+import math
+import os
+import platform
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from time import perf_counter
+
+import mujoco
+import numpy as np
+
+from flocking.errors import InputError
+from flocking.types import Floats
+from trials.commands import bench_kinematic
+from trials.design import plan
+from trials.simulations.robots.herd import Herd, assemble
+from trials.simulations.robots.log import Log
+from trials.simulations.robots.loop import run, run_trial
+from trials.types import Group, Trial
+
+REPEATS = 5
+"""Runs of each figure, after one that is not counted."""
+SECONDS = 20.0
+"""Simulated seconds of each run of a herd."""
+RECORDED_SECONDS = 60.0
+"""Simulated seconds of the runs that are recorded: a trial's length, since a recording has a fixed cost too."""
+GROUP_SIZES = (6, 12, 24, 48, 96)
+BATCH_TRIALS = 16
+BATCH_SECONDS = 60.0
+"""Simulated seconds of each trial of the batches."""
+
+
+@dataclass(frozen=True)
+class Figure:
+    """One measured figure."""
+
+    name: str
+    unit: str
+    runs: tuple[float, ...]
+    target: float
+    """nan = none."""
+    at_least: bool = True
+    """Whether the target is a lower bound."""
+
+    @property
+    def median(self) -> float:
+        """Of the runs."""
+        return float(np.median(self.runs))
+
+    @property
+    def worst(self) -> float:
+        """5th percentile where more is better, else the 95th."""
+        return float(np.percentile(self.runs, 5 if self.at_least else 95))
+
+    @property
+    def met(self) -> bool | None:
+        """Whether the median meets the target; None where there is none."""
+        if math.isnan(self.target):
+            return None
+        return self.median >= self.target if self.at_least else self.median <= self.target
+
+    def as_dict(self) -> dict[str, object]:
+        """For JSON."""
+        target = None if math.isnan(self.target) else self.target
+        return {
+            "name": self.name,
+            "unit": self.unit,
+            "median": self.median,
+            "worst": self.worst,
+            "runs": list(self.runs),
+            "target": target,
+            "at_least": self.at_least,
+            "met": self.met,
+        }
+
+
+def bench(save: Path | None = None, compare: Path | None = None) -> None:
+    """Measures everything and prints the table; saves it as JSON, compares it with a saved one."""
+    from rich.console import Console
+    from rich.table import Table
+
+    earlier = _read(compare) if compare is not None else {}
+    if save is not None:
+        try:
+            save.open("a").close()
+        except OSError as error:
+            raise InputError(f"cannot save to {str(save)!r}: {error.strerror}; expected a file to write") from None
+    console = Console()
+    figures: list[Figure] = []
+    for measure in MEASURES:
+        console.print(f"[dim]{(measure.__doc__ or '').splitlines()[0]}[/dim]")
+        figures += measure()
+    table = Table(title=f"{platform.processor() or platform.machine()}, {os.cpu_count()} cores, median of {REPEATS}")
+    for column in ("figure", "median", "5/95 %", "target", "met", *(["before", "ratio"] if earlier else [])):
+        table.add_column(column, justify="left" if column == "figure" else "right")
+    for figure in figures:
+        sign = "≥" if figure.at_least else "≤"
+        target = "" if math.isnan(figure.target) else f"{sign} {figure.target:g}"
+        row = [f"{figure.name} ({figure.unit})", f"{figure.median:.3g}", f"{figure.worst:.3g}", target]
+        row.append({True: "yes", False: "NO", None: ""}[figure.met])
+        if earlier:
+            before = earlier.get(figure.name, math.nan)
+            row += [f"{before:.3g}", f"{figure.median / before:.2f}" if before else "-"]
+        table.add_row(*row)
+    console.print(table)
+    if save is not None:
+        save.write_text(json.dumps([figure.as_dict() for figure in figures], indent=1) + "\n", encoding="utf-8")
+
+
+def herd_speed() -> list[Figure]:
+    """Herds with lasers, member-based detection and HA, asynchronous, not recorded, on one core."""
+    figures = []
+    for count, target in ((6, 100.0), (20, 25.0)):
+        rates = tuple(SECONDS / seconds for seconds in _repeated(_loop_seconds, herd_of(count)))
+        figures.append(Figure(f"{count} robots", "x real time", rates, target))
+    return figures
+
+
+def beyond_physics() -> list[Figure]:
+    """What the project adds to physics: the whole trial against bare mj_step replaying its own controls."""
+    trial = herd_of(6)
+    herd, controls = _with_controls(trial)
+    updates = 6 * 10 * SECONDS
+    whole, bare = [], []
+    for _ in range(REPEATS + 1):
+        whole.append(_loop_seconds(trial))
+        bare.append(_replayed(herd, controls))
+    added = tuple((w - b) / updates * 1e6 for w, b in zip(whole[1:], bare[1:], strict=True))
+    return [
+        Figure("beyond physics", "µs a robot update", added, 80.0, at_least=False),
+        Figure("bare mj_step, 6 robots", "x real time", tuple(SECONDS / b for b in bare[1:]), math.nan),
+    ]
+
+
+def parts() -> list[Figure]:
+    """Stages of one robot update, on their own."""
+    herd = assemble(herd_of(6), record=False)
+    herd.world.advance(to=100)
+    robot, data = herd.robots[0], herd.world.data
+    senses, _ = robot.sense(data, data.time, None, record=False)
+    detection = robot.detect(senses)
+    sets = robot.select(detection.members)
+    motion = robot.decide(detection, sets)
+    clock = itertools.count()  # a scan's stamp must move on, or the last scan is sensed again
+    calls: dict[str, Callable[[], object]] = {
+        "1 sense (scan, noise, truth)": lambda: robot.sense(data, data.time + next(clock), None, record=False),
+        "2 detect (member-based)": lambda: robot.detect(senses),
+        "3 select": lambda: robot.select(detection.members),
+        "4 decide (extended HA)": lambda: robot.decide(detection, sets),
+        "5 drive": lambda: robot.drive(motion),
+    }
+    return [Figure(name, "µs", _timed(call, 2000), math.nan, at_least=False) for name, call in calls.items()]
+
+
+def laser_against_rays() -> list[Figure]:
+    """One scan of 682 beams among 25 robots and 40 walls, against mj_multiRay for the same beams."""
+    from sensing.laser.hokuyo import SETTINGS, Lasers
+    from sensing.laser.reference import Rays, compare
+    from worlds.assemble import prefix, specification
+    from worlds.walls import Walls
+
+    rng = np.random.default_rng(5)
+    names = [f"herd-{k + 1}" for k in range(25)]
+    places = np.stack(np.meshgrid(np.arange(5), np.arange(5)), axis=-1).reshape(-1, 2) * 1.6 - 3.2
+    poses_w = np.hstack([places + rng.uniform(-0.5, 0.5, size=(25, 2)), rng.uniform(-np.pi, np.pi, size=(25, 1))])
+    angles = np.arange(40) * 2 * math.pi / 40
+    corners = 5.0 * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    segments = np.hstack([corners, np.roll(corners, -1, axis=0)])
+    model = specification(Walls(segments, 0.8), ["create"] * 25, names, poses_w, 0.01).compile()
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    sites = [f"{prefix(name)}laser" for name in names]
+    roots = [model.body(f"{prefix(name)}base").id for name in names]
+    lasers, rays = Lasers(model, sites, roots, [SETTINGS["ideal"]] * 25), Rays(model, sites, roots)
+    compare(lasers, rays, data, repeats=2)
+    results = [compare(lasers, rays, data) for _ in range(REPEATS)]
+    return [
+        Figure("scan, planar", "µs", tuple(r.planar_s * 1e6 for r in results), math.nan, at_least=False),
+        Figure("scan, mj_multiRay", "µs", tuple(r.rays_s * 1e6 for r in results), math.nan, at_least=False),
+        Figure("planar against mj_multiRay", "x faster", tuple(r.rays_s / r.planar_s for r in results), 50.0),
+        Figure(
+            "beams off by more than 1 cm", "%", tuple(100.0 * r.distant / r.beams for r in results), 0.2, at_least=False
+        ),
+    ]
+
+
+def growth() -> list[Figure]:
+    """Cost per robot as the herd and its world grow together."""
+    costs: dict[int, tuple[float, ...]] = {}
+    for count in GROUP_SIZES:
+        trial = herd_of(count, seconds=max(2.0, SECONDS * 6 / count))
+        costs[count] = _repeated(lambda trial=trial, count=count: _loop_seconds(trial) / trial.duration_s / count * 1e3)
+    figures = [
+        Figure(f"cost at {count} robots", "ms a robot second", runs, math.nan, at_least=False)
+        for count, runs in costs.items()
+    ]
+    ratios = tuple(b / a for a, b in zip(costs[GROUP_SIZES[0]], costs[GROUP_SIZES[-1]], strict=True))
+    return [*figures, Figure("cost per robot, 96 against 6", "ratio", ratios, 2.0, at_least=False)]
+
+
+def recording() -> list[Figure]:
+    """What a recording at its defaults adds to a trial, and how large the file is."""
+    from trials.simulations.robots import recordings
+
+    trial = herd_of(6, seconds=RECORDED_SECONDS)
+    added, sizes = [], []
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "trial.rrd"
+        for _ in range(REPEATS + 1):
+            started = perf_counter()
+            run_trial(trial)
+            plain = perf_counter() - started
+            started = perf_counter()
+            recordings.write(run_trial(trial, scans="some"), path)
+            added.append(100.0 * ((perf_counter() - started) / plain - 1.0))
+            sizes.append(path.stat().st_size / 1e6)
+    return [
+        Figure("recording adds", "% of a trial", tuple(added[1:]), 25.0, at_least=False),
+        Figure("recording of a minute, scans at 2 Hz", "MB", tuple(sizes[1:]), 5.0, at_least=False),
+    ]
+
+
+def workers() -> list[Figure]:
+    """Trials a second by two workers against one, without what starting them costs."""
+    from trials.batch import store
+    from trials.batch.batch import run_batch
+
+    class Clock:
+        """Notes when each trial ended."""
+
+        def __init__(self) -> None:
+            self.times: list[float] = []
+
+        def say(self, text: str) -> None:
+            """Nothing to say."""
+
+        def ended(self, row: store.Row) -> None:
+            """One more."""
+            self.times.append(perf_counter())
+
+    def rate(jobs: int) -> float:
+        trials = [dataclasses.replace(herd_of(6, seconds=BATCH_SECONDS), index=i + 1) for i in range(BATCH_TRIALS)]
+        with tempfile.TemporaryDirectory() as folder:
+            kept = store.create(Path(folder) / "run", {"experiment": "bench", "trials": []}, {})
+            clock = Clock()
+            run_batch(trials, kept, clock, jobs=jobs, scans="none")
+        first = 2 * jobs
+        return (len(clock.times) - first) / (clock.times[-1] - clock.times[first - 1])
+
+    ratios = tuple(rate(2) / rate(1) for _ in range(3))
+    return [Figure("two workers against one", "x", ratios, 1.8)]
+
+
+def start_up() -> list[Figure]:
+    """`herd --help` in a process of its own."""
+    command = [sys.executable, "-m", "trials.commands.cli", "--help"]
+    return [
+        Figure(
+            "herd --help",
+            "s",
+            _repeated(_wall, lambda: subprocess.run(command, stdout=subprocess.DEVNULL, check=True)),
+            0.5,
+            at_least=False,
+        )
+    ]
+
+
+def kinematic_herd() -> list[Figure]:
+    """Boids in the open, short range, on one core; against the law without a compiler, member by member.
+
+    That is in arrays of all other members, and by the law's own function as it is written.
+    """
+    found = bench_kinematic.measured(_repeated)
+    targets = {"10,000 boids": 100.0}
+    figures = [
+        Figure(name, "steps/s", runs, targets.get(name, math.nan)) for name, runs in found.items() if "boids" in name
+    ]
+    most, least = max(bench_kinematic.SIZES), min(bench_kinematic.SIZES)
+    growth_name = f"cost of a step, {least:,} to {most:,} boids"
+    figures.append(Figure(growth_name, "exponent", found["exponent"], 1.15, at_least=False))
+    small = f"{bench_kinematic.SMALL} boids against"
+    figures.append(Figure(f"{small} the same law, not compiled", "x faster", found["plain"], 200.0))
+    figures.append(Figure(f"{small} one rewritten in NumPy's arrays", "x faster", found["numpy"], math.nan))
+    return figures
+
+
+def whole_experiment() -> list[Figure]:
+    """`herd run lch-table-4-1`: 160 simulations with their report, all cores, start-up included."""
+    return [Figure("lch-table-4-1", "s", _repeated(bench_kinematic.table_4_1_seconds), 20.0, at_least=False)]
+
+
+MEASURES: Sequence[Callable[[], list[Figure]]] = (
+    herd_speed,
+    beyond_physics,
+    parts,
+    laser_against_rays,
+    growth,
+    recording,
+    workers,
+    start_up,
+    kinematic_herd,
+    whole_experiment,
+)
+
+
+def herd_of(count: int, seconds: float = SECONDS) -> Trial:
+    """A trial of the case study with that many robots, in a corridor as long as they need."""
+    trial = plan("detection-case-study", repeats=1).trials[1]
+    length = 2.0 * math.ceil(count + 0.5 * seconds + 10.0)
+    return dataclasses.replace(
+        trial, duration_s=seconds, groups=(Group(count=count),), world_parameters={"length_m": length}
+    )
+
+
+def _loop_seconds(trial: Trial) -> float:
+    """Wall time of the loop, without building the world."""
+    herd = assemble(trial, record=False)
+    log = Log(trial, len(herd.robots), "none")
+    started = perf_counter()
+    run(herd, log, last=round(trial.duration_s / trial.timestep_s))
+    return perf_counter() - started
+
+
+def _with_controls(trial: Trial) -> tuple[Herd, Floats]:
+    """The herd after its trial, and the controls (steps, nu) of every step."""
+    herd = assemble(trial, record=False)
+    controls: list[Floats] = []
+    herd.world.observers.append(lambda data: controls.append(data.ctrl.copy()))
+    run(herd, Log(trial, len(herd.robots), "none"), last=round(trial.duration_s / trial.timestep_s))
+    return herd, np.array(controls)
+
+
+def _replayed(herd: Herd, controls: Floats) -> float:
+    """Wall time of bare mj_step through the same controls from the same start."""
+    model, data, step = herd.world.model, mujoco.MjData(herd.world.model), mujoco.mj_step
+    mujoco.mj_forward(model, data)
+    ctrl = data.ctrl
+    started = perf_counter()
+    for row in controls:
+        ctrl[:] = row
+        step(model, data)
+    return perf_counter() - started
+
+
+def _repeated(call: Callable[..., float], *arguments: object) -> tuple[float, ...]:
+    call(*arguments)
+    return tuple(call(*arguments) for _ in range(REPEATS))
+
+
+def _wall(call: Callable[[], object]) -> float:
+    started = perf_counter()
+    call()
+    return perf_counter() - started
+
+
+def _timed(call: Callable[[], object], calls: int) -> tuple[float, ...]:
+    def once() -> float:
+        started = perf_counter()
+        for _ in range(calls):
+            call()
+        return (perf_counter() - started) / calls * 1e6
+
+    return _repeated(once)
+
+
+def _read(path: Path) -> dict[str, float]:
+    try:
+        return {row["name"]: float(row["median"]) for row in json.loads(path.read_text(encoding="utf-8"))}
+    except OSError as error:
+        raise InputError(f"cannot read {str(path)!r}: {error.strerror}") from None
+    except (ValueError, TypeError, KeyError):
+        raise InputError(f"{str(path)!r} is no saved bench: expected what `herd bench --save FILE` wrote") from None

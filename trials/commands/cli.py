@@ -1,0 +1,294 @@
+"""The `herd` command. Nothing heavy is imported before it is needed: `herd --help` answers at once."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import typer
+from typer import Argument, Option
+
+from flocking.errors import InputError
+
+app = typer.Typer(
+    name="herd",
+    help="Simulated herds of iRobot Create robots, and the experiments that made such herds known.",
+    add_completion=False,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+
+def _whole(low: int, high: int | None = None) -> Callable[[str], int]:
+    """A reader of whole numbers from `low` on that says what it was given."""
+
+    def read(text: str) -> int:
+        try:
+            number = int(text)
+        except ValueError:
+            number = low - 1
+        if number < low or (high is not None and number > high):
+            most = f" and at most {high}" if high is not None else ""
+            raise ValueError(f"{text!r}: expected a whole number of at least {low}{most}")
+        return number
+
+    return read
+
+
+Experiment = Annotated[str, Argument(help="Name of an experiment, see `herd list experiments`.")]
+Run = Annotated[Path | None, Argument(metavar="[DIR]", help="A run's folder; the newest one below runs/ by default.")]
+Repeats = Annotated[
+    int | None, Option(parser=_whole(1), metavar="N", help="Repeats of each cell; the experiment's own by default.")
+]
+Seed = Annotated[int, Option(parser=_whole(0, 2**63 - 1), metavar="S", help="Of all random numbers.")]
+Jobs = Annotated[int | None, Option(parser=_whole(1), metavar="J", help="Worker processes; all cores by default.")]
+Law = Annotated[str | None, Option(help="Another law: its name or the path of your own file.")]
+Pipeline = Annotated[str | None, Option(help="Another member detection.")]
+Body = Annotated[str | None, Option(help="Another robot.")]
+Settings = Annotated[
+    list[str] | None, Option("--set", metavar="KEY=VALUE", help="Sets a parameter; VALUE is TOML. May be repeated.")
+]
+Sweeps = Annotated[
+    list[str] | None, Option("--sweep", metavar="KEY=A,B,C", help="Runs all of it for each value. May be repeated.")
+]
+
+
+@app.command("list")
+def list_(
+    what: Annotated[
+        Literal["experiments", "laws", "pipelines", "selections", "formations", "bodies", "worlds"] | None,
+        Argument(help="One kind; all kinds by default."),
+    ] = None,
+) -> None:
+    """Lists what there is: experiments, laws, pipelines, selections, formations, bodies, worlds."""
+    from trials.commands.listing import listing
+
+    print(listing(what))
+
+
+@app.command()
+def laws(
+    name: Annotated[str | None, Argument(help="One law in full: its name or the path of your own file.")] = None,
+) -> None:
+    """Tables all laws by what they require and how they were validated.
+
+    Tables 3.2 and 3.4 of Fine 2015 for the laws that there are; where the authors of a law left a stage undefined, and
+    how it is filled.
+    """
+    from trials.commands import lawtables
+
+    if name is not None:
+        print(lawtables.one_law(name))
+        return
+    *drawn, told = lawtables.tables()
+    print(lawtables.printed(drawn, told))
+
+
+@app.command()
+def show(
+    experiment: Experiment,
+    repeats: Repeats = None,
+    seed: Seed = 1,
+    law: Law = None,
+    pipeline: Pipeline = None,
+    body: Body = None,
+    settings: Settings = None,
+    sweep: Sweeps = None,
+) -> None:
+    """Shows an experiment's parameters and trials.
+
+    Every parameter with its unit and source, published or chosen, and the trials that it will run.
+    """
+    from trials.batch.running import Asked, planned
+    from trials.commands import listing, options
+
+    asked = Asked(
+        experiment, repeats, seed, options.settings(settings or []), options.sweeps(sweep or []), law, pipeline, body
+    )
+    print(listing.planned(*planned(asked)))
+
+
+@app.command()
+def run(
+    experiment: Experiment,
+    repeats: Repeats = None,
+    only: Annotated[
+        str | None, Option(metavar="1-4,9", help="Only these trials, counted from 1; see --dry-run.")
+    ] = None,
+    seed: Seed = 1,
+    jobs: Jobs = None,
+    out: Annotated[
+        Path | None, Option(metavar="DIR", help="Folder of the run; runs/EXPERIMENT/NNN by default.")
+    ] = None,
+    record: Annotated[
+        Literal["all", "first", "none"] | None,
+        Option(help="Which trials to record for `herd play`; the experiment's own choice by default."),
+    ] = None,
+    scans: Annotated[Literal["some", "all"], Option(help="Scans in recordings: 2 a second, or all.")] = "some",
+    law: Law = None,
+    pipeline: Pipeline = None,
+    body: Body = None,
+    settings: Settings = None,
+    sweep: Sweeps = None,
+    dry_run: Annotated[bool, Option("--dry-run", help="Only shows what would run.")] = False,
+    debug: Annotated[bool, Option("--debug", help="With --only K: runs it here and shows its traceback.")] = False,
+) -> int:
+    """Runs an experiment on all cores and reports.
+
+    The exit code is 1 if a trial failed.
+    """
+    from trials.batch import running
+    from trials.commands import listing, options
+
+    asked = running.Asked(
+        experiment,
+        repeats,
+        seed,
+        options.settings(settings or []),
+        options.sweeps(sweep or []),
+        law,
+        pipeline,
+        body,
+        only,
+        record,
+        scans,
+    )
+    if dry_run:
+        print(listing.planned(*running.planned(asked)))
+        return 0
+    if debug:
+        return running.debug(asked)
+    return running.start(asked, out, jobs or _cores())
+
+
+@app.command()
+def resume(folder: Run = None, jobs: Jobs = None) -> int:
+    """Finishes an interrupted run."""
+    from trials.batch import running
+
+    return running.resume(_run_folder(folder), jobs or _cores())
+
+
+@app.command()
+def report(
+    folder: Run = None, json: Annotated[bool, Option("--json", help="Prints the list of claims as JSON.")] = False
+) -> None:
+    """Sets the published beside the measured.
+
+    A table here, figures and one HTML page in the run's folder.
+    """
+    from trials.reports.report import report
+
+    print(report(_run_folder(folder), as_json=json))
+
+
+@app.command()
+def play(
+    folder: Run = None,
+    trial: Annotated[
+        int | None, Option(parser=_whole(1), metavar="K", help="Which trial; the first recorded one by default.")
+    ] = None,
+    web: Annotated[bool, Option("--web", help="In the browser instead of the viewer.")] = False,
+) -> None:
+    """Plays a trial's recording in Rerun."""
+    from trials.commands.playback import play
+
+    play(folder, trial, web=web)
+
+
+@app.command()
+def world(
+    experiment: Experiment,
+    out: Annotated[Path, Option(metavar="FILE", help="Where to write the MJCF.")],
+    repeat: Annotated[int, Option(parser=_whole(1), metavar="R", help="Whose starting formation.")] = 1,
+    settings: Settings = None,
+) -> None:
+    """Writes an experiment's world for MuJoCo's viewer.
+
+    The compiled world with its robots at their start; it loads in any MuJoCo viewer.
+    """
+    from trials.batch.running import Asked, planned
+    from trials.batch.store import write_whole
+    from trials.commands import options
+    from trials.simulations import is_kinematic
+
+    made, _ = planned(Asked(experiment, repeats=repeat, settings=options.settings(settings or [])))
+    chosen = next(trial for trial in made.trials if trial.repeat == repeat)
+    if is_kinematic(chosen):
+        raise InputError(f"experiment {experiment!r} is kinematic: it has no world for MuJoCo; see it with herd play")
+    from trials.simulations.robots.worldfile import world_xml
+
+    write_whole(out, world_xml(chosen).encode())
+    print(f"{out}: open it with python -m mujoco.viewer --mjcf={out}")
+
+
+@app.command()
+def bench(
+    save: Annotated[Path | None, Option(metavar="FILE", help="Keeps the figures.")] = None,
+    compare: Annotated[Path | None, Option(metavar="FILE", help="Sets kept figures beside these.")] = None,
+) -> None:
+    """Measures speed."""
+    from trials.commands.bench import bench
+
+    bench(save, compare)
+
+
+def main() -> int:
+    """The command: 0 done, 1 a trial failed, 2 bad input (one line on stderr), 130 stopped by Ctrl-C."""
+    try:
+        if len(sys.argv) == 1:
+            sys.argv.append("--help")
+        code = app(standalone_mode=False)
+        if sys.stdout is not None:
+            sys.stdout.flush()
+        return code if isinstance(code, int) else 0
+    except InputError as error:
+        return _refuse(str(error))
+    except (KeyboardInterrupt, typer.Abort):
+        print("herd: stopped", file=sys.stderr)
+        return 130
+    except typer.TyperException as error:
+        return _refuse(_told(error.format_message()))
+    except BrokenPipeError:  # whoever read our output has had enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
+    except OSError as error:
+        if not error.strerror:
+            raise
+        return _refuse(f"{error.filename}: {error.strerror}" if error.filename else error.strerror)
+
+
+def _told(message: str) -> str:
+    """A usage error of Typer's in our words."""
+    if message.startswith("No such command") and "Did you mean" not in message:
+        message += f" Valid: {', '.join(command.name or '' for command in _commands())}."
+    return message.replace("Value error, ", "")
+
+
+def _commands() -> list[Any]:
+    return list(typer.main.get_group(app).commands.values())
+
+
+def _refuse(message: str) -> int:
+    print(f"herd: {' '.join(message.split())}", file=sys.stderr)
+    return 2
+
+
+def _cores() -> int:
+    return len(os.sched_getaffinity(0))
+
+
+def _run_folder(folder: Path | None) -> Path:
+    if folder is not None:
+        return folder
+    from trials.batch.store import newest
+
+    return newest()
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,63 @@
+"""Constants that no key sets: the machines' and the controller's numbers, read from the sources with their remarks.
+
+Each stands once, in the module that it belongs to, as `NAME = value  # remark` or with a docstring below it. Graded
+remarks: P a primary document, C published code, S a secondary page, D derived, ? a choice.
+"""
+
+from __future__ import annotations
+
+import ast
+import importlib
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+MODULES = (
+    "robots.create.model",
+    "robots.create.controller",
+    "robots.create.odometry",
+    "robots.physics",
+    "sensing.laser.readings",
+    "sensing.laser.intensity",
+    "worlds.formations",
+    "trials.simulations.robots.measures",
+)
+KINEMATIC_MODULES = (
+    "flocking.kinematic.detection",
+    "flocking.kinematic.motion",
+    "trials.simulations.kinematic.measures",
+)
+
+
+class Constant(NamedTuple):
+    """One number of a module."""
+
+    name: str
+    value: float
+    remark: str
+
+
+def constants(modules: Sequence[str] = MODULES) -> list[Constant]:
+    """Public numeric constants of the modules, in the order of their files."""
+    return [constant for name in modules for constant in _of(name)]
+
+
+def _of(name: str) -> list[Constant]:
+    module = importlib.import_module(name)
+    text = Path(str(module.__file__)).read_text(encoding="utf-8")
+    lines, body = text.splitlines(), ast.parse(text).body
+    found = []
+    for node, following in zip(body, [*body[1:], None], strict=True):
+        if not isinstance(node, ast.Assign) or not isinstance(node.targets[0], ast.Name):
+            continue
+        constant = node.targets[0].id
+        value: Any = getattr(module, constant, None)
+        if not constant.isupper() or constant.startswith("_") or isinstance(value, bool):
+            continue
+        if not isinstance(value, int | float):
+            continue
+        _, _, comment = lines[node.lineno - 1].partition("  # ")
+        if isinstance(following, ast.Expr) and isinstance(following.value, ast.Constant):
+            comment = " ".join(str(following.value.value).split())
+        found.append(Constant(f"{name}.{constant}", float(value), comment))
+    return found

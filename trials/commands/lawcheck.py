@@ -1,0 +1,234 @@
+"""A user's law tried out before a batch starts, in a process of its own that can be stopped.
+
+The law is called on a handful of situations, first as written, then compiled: a file that does not parse, lacks its
+function, has values or selections that cannot be, returns something else than a `Motion` or numbers that are not
+finite, indexes out of bounds or never returns is refused in one line. It is given what it says that it needs and nan
+for the rest, as it would be on robots that see no more.
+"""
+
+from __future__ import annotations
+
+import math
+import queue
+import subprocess
+import sys
+import threading
+import traceback
+from collections.abc import Callable
+from pathlib import Path
+from types import ModuleType
+from typing import IO, Any, NamedTuple
+
+import numpy as np
+
+from flocking.errors import InputError
+
+CALL_LIMIT_S = 5.0
+"""Wall time that one call may take: some 10⁵ times what the project's laws need."""
+IMPORTING, COMPILING = "importing", "compiling"
+LIMITS_S = {IMPORTING: 20.0, COMPILING: 120.0}
+"""Wall time that importing the file, or compiling the law, may take."""
+_ERROR, _STAGE = "error: ", "stage: "
+
+
+def check(path: str) -> None:
+    """Raises `InputError` naming the file, and the member or the situation, if the law cannot be used."""
+    from flocking.lawentry import read_source
+
+    read_source(path)
+    process = subprocess.Popen(
+        [sys.executable, "-m", "trials.commands.lawcheck", path],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+        stdin=subprocess.DEVNULL,
+        text=True,
+    )
+    lines: queue.SimpleQueue[str | None] = queue.SimpleQueue()
+    threading.Thread(target=_listen, args=(process.stdout, lines), daemon=True).start()
+    stage, limit = IMPORTING, LIMITS_S[IMPORTING]
+    try:
+        while True:
+            try:
+                line = lines.get(timeout=limit)
+            except queue.Empty:
+                raise InputError(f"law file {path!r} did not return within {limit:g} s ({stage})") from None
+            if line is None:
+                break
+            if line.startswith(_ERROR):
+                raise InputError(line.removeprefix(_ERROR))
+            if line.startswith(_STAGE):
+                stage = line.removeprefix(_STAGE)
+                limit = LIMITS_S.get(stage, CALL_LIMIT_S)
+        if process.wait(timeout=CALL_LIMIT_S) != 0:
+            raise InputError(f"law file {path!r} ended its process with code {process.returncode} ({stage})")
+    finally:
+        process.kill()
+        process.wait()
+
+
+def _listen(stream: IO[str] | None, lines: queue.SimpleQueue[str | None]) -> None:
+    """Hands on each line as it comes, and None at the end."""
+    assert stream is not None
+    for line in stream:
+        lines.put(line.rstrip("\n"))
+    lines.put(None)
+
+
+class Call(NamedTuple):
+    """One call of the law but for its memory, which each call begins anew."""
+
+    case: str
+    inputs: tuple[Any, ...]
+    memory: int
+    u: np.ndarray
+
+
+def situations() -> dict[str, np.ndarray]:
+    """Positions (M, 2) of neighbours that any law must bear."""
+    rng = np.random.default_rng(0)
+    return {
+        "no neighbour": np.empty((0, 2)),
+        "one neighbour": np.array([[1.5, 0.4]]),
+        "two neighbours": np.array([[1.0, 0.5], [2.0, -0.5]]),
+        "coincident neighbours": np.array([[1.0, 0.5], [1.0, 0.5], [1.0, 0.5]]),
+        "a neighbour in its own place": np.array([[0.0, 0.0], [1.0, 0.5]]),
+        "a neighbour nearby": np.array([[0.34, 0.0], [2.0, 0.0]]),
+        "sixty neighbours": rng.uniform(-5.0, 5.0, size=(60, 2)),
+    }
+
+
+def try_out(path: str) -> None:
+    """In the process of its own: raises `InputError` at the first fault, prints each stage as it begins."""
+    from flocking import lawentry
+
+    source = lawentry.read_source(path)
+    module = lawentry.module_of(path, source)
+    values = _values(module, path)
+    calls = [call for parameters in values for call in _calls(module, parameters, path)]
+    _try(module.law, "", calls, module, path)
+    print(f"{_STAGE}{COMPILING}", flush=True)
+    _try(lawentry.load(path, source).decide, "compiled, ", calls, module, path)
+
+
+def _values(module: ModuleType, path: str) -> list[Any]:
+    """The parameters' defaults, and their values for Creates where these differ.
+
+    Each must be within its bounds, and all as the law's relations have it.
+    """
+    from flocking import lawentry
+    from flocking.parameters import declared, filled
+
+    usual = {name: parameter.default for name, parameter in declared(module.Parameters).items()}
+    try:
+        for_creates = {**usual, **getattr(module, "CREATE", {})}
+        for given in (usual, for_creates):
+            filled(module.Parameters, given, prefix="law.")
+        lawentry.relations_of(module)
+    except (InputError, TypeError) as error:
+        raise InputError(f"law file {path!r}: {error}") from None
+    values, creates = (lawentry.parameters_of(path, module, given) for given in (usual, for_creates))
+    return [values] if values == creates else [values, creates]
+
+
+def _calls(module: ModuleType, parameters: Any, path: str) -> list[Call]:
+    """What the law is called with, one for each situation and, where it draws, for low and high draws too."""
+    from flocking import lawentry, selection
+    from flocking.parameters import declared
+    from flocking.types import NO_OBSTACLES, Members, Obstacles, Own, unknown
+
+    try:
+        texts, names = lawentry.sets_of(module), declared(module.Parameters)
+        sets = [selection.resolved(steps, parameters._asdict()) for steps in selection.parse_sets("all", texts, names)]
+    except InputError as error:
+        raise InputError(f"law file {path!r}: SETS: {error}") from None
+    needs = lawentry.needs_of(module) | selection.needs(step for steps in sets for step in steps)
+    memory, draws = lawentry.room_of(path, module)
+    rng = np.random.default_rng(1)
+    found = []
+    for case, positions in situations().items():
+        count = len(positions)
+        headings, velocities, ids = unknown(count)
+        members = Members(
+            positions,
+            np.arctan2(positions[:, 1], positions[:, 0]),
+            rng.uniform(-np.pi, np.pi, count) if "headings" in needs else headings,
+            rng.uniform(-0.4, 0.4, (count, 2)) if "velocities" in needs else velocities,
+            np.arange(1, count + 1) if "ids" in needs else ids,
+        )
+        linked = np.ones(count, dtype=np.bool_)
+        mask = np.array([selection.select(steps, members, linked) for steps in sets]).reshape(len(sets), count)
+        for u, speed, goal, walls in ((0.3, 0.2, math.nan, 2), (0.0, 0.0, 3.0, 0), (1.0 - 2.0**-53, 0.3, -1.0, 1)):
+            own = Own(
+                np.array([speed, 0.0]),
+                speed,
+                1.0 if "compass" in needs else math.nan,
+                np.array([goal, 0.5 * goal]) if "goal" in needs else np.full(2, math.nan),
+                np.array([walls > 0, walls > 1]) if "contacts" in needs else np.zeros(2, dtype=np.bool_),
+                0.1,
+                0,
+                0,
+            )
+            points = np.array([[0.6, 0.3], [-0.2, -1.0]])[:walls]
+            obstacles = Obstacles(points) if "obstacles" in needs else NO_OBSTACLES
+            found.append(Call(case, (own, members, mask, obstacles, parameters), memory, np.full(draws, u)))
+    return found
+
+
+def _try(function: Callable[..., object], how: str, calls: list[Call], module: ModuleType, path: str) -> None:
+    """Calls the law. Raises `InputError` for a call that fails or gives what it must not."""
+    rules = tuple(getattr(module, "RULES", ("law",)))
+    for call in calls:
+        print(f"{_STAGE}{how}member 1 with {call.case}", flush=True)
+        try:
+            motion = function(*call.inputs, np.zeros(call.memory), call.u)
+        except Exception as error:
+            frames = traceback.extract_tb(error.__traceback__)
+            line = next((f"line {f.lineno}: " for f in reversed(frames) if f.filename == module.__file__), "")
+            raise InputError(
+                f"law file {path!r} failed for member 1 with {call.case}: {line}{type(error).__name__}: {error}"
+            ) from None
+        _judge(motion, call.case, rules, path)
+
+
+def _judge(motion: object, case: str, rules: tuple[str, ...], path: str) -> None:
+    from flocking.types import Kind, Motion
+
+    if not isinstance(motion, Motion):
+        shape = f" of {len(motion)}" if isinstance(motion, tuple) else ""
+        raise InputError(
+            f"law file {path!r} returned {type(motion).__name__}{shape} for member 1 with {case}; "
+            "expected Motion(kind, x, y, rule)"
+        )
+    try:
+        kind, x, y, rule = map(float, motion)
+    except (TypeError, ValueError):
+        raise InputError(
+            f"law file {path!r} returned {tuple(motion)} for member 1 with {case}; expected four numbers"
+        ) from None
+    still = kind in (Kind.HOLD, Kind.STOP)
+    if kind not in list(Kind) or not (still or (math.isfinite(x) and math.isfinite(y))):
+        raise InputError(
+            f"law file {path!r} returned kind {kind:g}, x {x:g}, y {y:g} for member 1 "
+            f"with {case}; expected a kind of 0 to {len(Kind) - 1} and finite numbers"
+        )
+    if rule not in range(len(rules)):
+        raise InputError(f"law file {path!r} returned rule {rule:g} for member 1 with {case}; RULES has {len(rules)}")
+
+
+def _main(path: str) -> int:
+    try:
+        try_out(path)
+    except InputError as error:
+        print(f"{_ERROR}{' '.join(str(error).split())}", flush=True)
+        return 2
+    except Exception as error:
+        print(
+            f"{_ERROR}law file {Path(path).name!r}: {type(error).__name__}: {' '.join(str(error).split())}",
+            flush=True,
+        )
+        return 2
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(_main(sys.argv[1]))

@@ -1,0 +1,1 @@
+"""What decides: statistics, published claims held against a run, measures over repeats."""

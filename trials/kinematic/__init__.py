@@ -1,1 +1,0 @@
-"""Kinematic trials: herds of `flocking.kinematic` as experiments, without MuJoCo, robots or sensors."""

@@ -1,0 +1,266 @@
+"""The drawings of a report, each a function from saved results to a Matplotlib figure. No display is needed.
+
+Matplotlib is imported where it is used: it takes long.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from trials.evidence.claims import Entry
+from trials.evidence.summary import Cell, mean, named
+from trials.simulations.about import Measure
+from trials.types import TrialResult
+
+Canvas = Any
+"""A matplotlib.figure.Figure."""
+
+ROBOT_COLOURS = ("#1f77b4", "#d62728", "#2ca02c", "#9467bd", "#ff7f0e", "#17becf")
+SERIES_COLOURS = ("#0072b2", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#d55e00", "#999999", "#000000")
+"""Okabe and Ito's, which most readers can tell apart."""
+VERDICT_COLOURS = {True: "#0b7a34", False: "#b3261e", None: "#777777"}
+STYLE = {
+    "font.size": 8,
+    "axes.titlesize": 8,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "svg.fonttype": "none",
+}
+
+
+NO_METADATA = dict.fromkeys(("Date", "Creator", "Format", "Type"))
+"""Of an SVG: no time of day, and no addresses of vocabularies."""
+
+
+class Figure(NamedTuple):
+    """A figure on disk."""
+
+    name: str
+    title: str
+    caption: str
+    path: Path
+    """An .svg, or a .png where there are very many dots."""
+
+
+def save(canvas: Canvas, folder: Path, name: str, title: str, caption: str, dots: bool = False) -> Figure:
+    """Writes a drawing to `folder`/figures; equal drawings are equal bytes."""
+    import matplotlib as mpl
+
+    path = folder / "figures" / f"{name}.{'png' if dots else 'svg'}"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with mpl.rc_context({**STYLE, "svg.hashsalt": name}):  # ids differ from figure to figure on one page
+        canvas.savefig(path, dpi=140, metadata=None if dots else NO_METADATA)
+    return Figure(name, title, caption, path)
+
+
+def inputs_over_time(panels: Sequence[tuple[str, TrialResult | None]]) -> Canvas:
+    """Distances of all inputs over time, one panel a trial: one dot an input, one colour a robot.
+
+    As figures 2.6 to 2.9 of Fine 2015. A panel whose trial is None says so.
+    """
+    columns = min(2, len(panels))
+    canvas, axes = grid(len(panels), columns, width=8.4, height=2.3, share=True)
+    farthest = 0.0
+    for axis, (title, result) in zip(axes, panels, strict=True):
+        axis.set_title(title, loc="left")
+        if result is None:
+            absent(axis)
+            continue
+        updates = result.updates
+        of_update = np.repeat(np.arange(len(updates.times)), np.diff(updates.input_starts))
+        positions = updates.input_positions.astype(np.float64)
+        distances, who = np.hypot(positions[:, 0], positions[:, 1]), updates.robots[of_update]
+        times, made_up = updates.times[of_update], updates.input_owners < 0
+        axis.plot(times[made_up], distances[made_up], ",", color="black", alpha=0.5, rasterized=True)
+        for robot, colour in zip(range(len(result.robot_names)), itertools.cycle(ROBOT_COLOURS), strict=False):
+            own = (who == robot) & ~made_up
+            axis.plot(times[own], distances[own], ",", color=colour, rasterized=True)
+        farthest = max(farthest, float(distances.max(initial=0.0)))
+    axes[0].set_ylim(0.0, 1.03 * farthest or 1.0)
+    for axis in axes[-columns:]:
+        axis.set_xlabel("time (s)")
+    for axis in axes[::columns]:
+        axis.set_ylabel("distance of inputs (m)")
+    return canvas
+
+
+def trajectories(panels: Sequence[tuple[str, TrialResult | None]], columns: int = 3) -> Canvas:
+    """The ways of all robots, seen from above; a dot where each ends."""
+    ways = [result.poses_w[..., :2].reshape(-1, 2) for _, result in panels if result is not None]
+    everywhere = np.concatenate([*ways, np.zeros((1, 2))])
+    low, high = np.nanmin(everywhere, axis=0) - 0.5, np.nanmax(everywhere, axis=0) + 0.5
+    width = 9.6 / columns
+    height = float(np.clip(width * (high - low)[1] / (high - low)[0], 0.6, 1.5 * width)) + 0.2
+    canvas, axes = grid(len(panels), columns, width=9.6, height=height, share=True)
+    for axis, (title, result) in zip(axes, panels, strict=True):
+        axis.set_title(title, loc="left")
+        axis.set_xlim(low[0], high[0])
+        axis.set_ylim(low[1], high[1])
+        axis.set_aspect("equal", adjustable="box")
+        if result is None:
+            absent(axis)
+            continue
+        walls(axis, result)
+        for robot, colour in zip(range(len(result.robot_names)), itertools.cycle(ROBOT_COLOURS), strict=False):
+            way = result.poses_w[::5, robot]
+            axis.plot(way[:, 0], way[:, 1], color=colour, lw=0.7)
+            axis.plot(*result.poses_w[-1, robot, :2], "o", color=colour, ms=3)
+    for axis in axes[-columns:]:
+        axis.set_xlabel("x (m)")
+    return canvas
+
+
+def formations(rows: Sequence[tuple[str, Sequence[tuple[str, TrialResult | None, float]]]]) -> Canvas:
+    """Formations at single moments: rows of (title, panels), each panel (title, trial, share of its
+    duration).
+
+    Robots as discs of their true size, with a stroke along their heading, about the herd's centre.
+    """
+    from matplotlib.collections import EllipseCollection, LineCollection
+
+    columns = max(len(panels) for _, panels in rows)
+    canvas, axes = grid(len(rows) * columns, columns, width=9.6, height=1.7)
+    for line, (title, panels) in enumerate(rows):
+        for column in range(columns):
+            axis = axes[line * columns + column]
+            axis.set_aspect("equal", adjustable="box")
+            axis.set_xticks([])
+            axis.set_yticks([])
+            if column >= len(panels):
+                axis.set_axis_off()
+                continue
+            caption, result, share = panels[column]
+            axis.set_title(caption if line == 0 else "", loc="left")
+            if column == 0:
+                axis.set_ylabel(title)
+            if result is None:
+                absent(axis)
+                continue
+            poses = result.poses_w[round(share * (len(result.times) - 1))]
+            centre = poses[:, :2].mean(axis=0)
+            noses = poses[:, :2] + result.radii[:, None] * np.stack([np.cos(poses[:, 2]), np.sin(poses[:, 2])], 1)
+            colours = [ROBOT_COLOURS[k % len(ROBOT_COLOURS)] for k in range(len(poses))]
+            sizes = 2.0 * result.radii
+            axis.add_collection(
+                EllipseCollection(
+                    sizes,
+                    sizes,
+                    np.zeros(len(poses)),
+                    units="xy",
+                    offsets=poses[:, :2],
+                    transOffset=axis.transData,
+                    facecolors=colours,
+                    alpha=0.6,
+                )
+            )
+            axis.add_collection(LineCollection(list(np.stack([poses[:, :2], noses], axis=1)), colors="black", lw=0.8))
+            reach = max(1.2, 1.1 * float(np.abs(poses[:, :2] - centre).max()) + float(result.radii.max()))
+            walls(axis, result)
+            axis.set_xlim(centre[0] - reach, centre[0] + reach)
+            axis.set_ylim(centre[1] - 0.8 * reach, centre[1] + 0.8 * reach)
+            axis.text(0.98, 0.02, f"{2 * reach:.1f} m wide", transform=axis.transAxes, ha="right", fontsize=6)
+    return canvas
+
+
+def forest(entries: Sequence[Entry]) -> Canvas:
+    """Every tested outcome of the claims with its interval, in units of its margin; open dots have no say."""
+    from matplotlib.figure import Figure as Blank
+
+    lines = [(entry, outcome) for entry in entries for outcome in entry.outcomes]
+    canvas = Blank(figsize=(9.6, 0.8 + 0.17 * max(1, len(lines))), layout="constrained")
+    axis = canvas.add_subplot()
+    axis.axvspan(-1, 1, color="#eeeeee", zorder=0)
+    axis.axvline(0, color="#999999", lw=0.6)
+    labels, edge = [], 6.0
+    for at, (entry, outcome) in enumerate(lines):
+        middle, low, high = outcome.in_margins()
+        colour = VERDICT_COLOURS[outcome.decision.agrees]
+        if np.isfinite([low, high]).all():
+            axis.plot(np.clip([low, high], -edge, edge), [at, at], color=colour, lw=1.2)
+        if np.isfinite(middle):
+            mark = "o" if abs(middle) < edge else "<" if middle < 0 else ">"
+            face = colour if outcome.decides else "white"
+            axis.plot(np.clip(middle, -edge, edge), at, mark, color=colour, markerfacecolor=face, ms=3.5)
+        labels.append(f"{entry.quantity.split(':')[0].removeprefix('claim ')}  {outcome.label}")
+        if at and lines[at - 1][0] is not entry:
+            axis.axhline(at - 0.5, color="#cccccc", lw=0.4)
+    axis.set_yticks(range(len(lines)), labels, fontsize=6)
+    axis.set_ylim(len(lines) - 0.5, -0.5)
+    axis.set_xlim(-edge - 0.3, edge + 0.3)
+    axis.set_xlabel("measured, less its threshold, in units of the margin (clipped)")
+    return canvas
+
+
+def measures_by_cell(cells: Sequence[Cell], measures: Sequence[str], about: Mapping[str, Measure]) -> Canvas:
+    """Means with their 95 % intervals over the numeric condition with most values; a line for each of the
+    rest."""
+    axis_key, lines = _lines(cells)
+    canvas, axes = grid(len(measures), min(4, len(measures)), width=9.6, height=2.0)
+    for axis, measure in zip(axes, measures, strict=True):
+        unit = about[measure].unit if measure in about else ""
+        axis.set_title(f"{measure} ({unit})" if unit else measure, loc="left")
+        for rank, (label, points) in enumerate(lines.items()):
+            colour = SERIES_COLOURS[rank % len(SERIES_COLOURS)]
+            x = np.array([at for at, _ in points])
+            means = [mean(cell, measure) for _, cell in points]
+            middle = np.array([m.measured for m in means])
+            ends = np.array([[m.low, m.high] for m in means])
+            nudged = x + 0.01 * rank * (np.ptp(x) or 1.0)
+            axis.plot(nudged, middle, "-o", color=colour, ms=2.5, lw=0.8, label=label)
+            axis.vlines(nudged, ends[:, 0], ends[:, 1], color=colour, lw=0.8)
+        if measure == "smoothness" and any((c.measures.get(measure, np.zeros(1)) > 0).any() for c in cells):
+            axis.set_yscale("log")
+        if axis_key:
+            axis.set_xlabel(axis_key.rsplit(".", 1)[-1])
+    if 1 < len(lines) <= 12:
+        handles, labels = axes[0].get_legend_handles_labels()
+        canvas.legend(handles, labels, loc="outside upper center", ncols=min(4, len(lines)), frameon=False)
+    return canvas
+
+
+def _lines(cells: Sequence[Cell]) -> tuple[str | None, dict[str, list[tuple[float, Cell]]]]:
+    """The numeric condition for the x axis, and for each combination of the others its points along it."""
+    values: dict[str, set[float]] = {}
+    for cell in cells:
+        for key, value in cell.conditions.items():
+            if isinstance(value, int | float) and not isinstance(value, bool):
+                values.setdefault(key, set()).add(float(value))
+    longest: str | None = max(values, key=lambda k: len(values[k]), default=None)
+    lines: dict[str, list[tuple[float, Cell]]] = {}
+    for rank, cell in enumerate(cells):
+        others: Mapping[str, Any] = {k: v for k, v in cell.conditions.items() if k != longest}
+        at = float(cell.conditions[longest]) if longest is not None and longest in cell.conditions else float(rank)
+        lines.setdefault(named(others), []).append((at, cell))
+    return longest, {label: sorted(points, key=lambda point: point[0]) for label, points in lines.items()}
+
+
+def grid(count: int, columns: int, width: float, height: float, share: bool = False) -> tuple[Canvas, list[Any]]:
+    """A figure with `count` axes in rows of `columns`; width of all and height of a row in inches."""
+    import matplotlib as mpl
+    from matplotlib.figure import Figure as Blank
+
+    with mpl.rc_context(STYLE):
+        rows = -(-count // columns)
+        canvas = Blank(figsize=(width, height * rows + 0.4), layout="constrained")
+        axes = canvas.subplots(rows, columns, squeeze=False, sharex=share, sharey=share).ravel().tolist()
+    for axis in axes[count:]:
+        axis.set_axis_off()
+    return canvas, axes[:count]
+
+
+def walls(axis: Any, result: TrialResult) -> None:
+    """Draws the walls; the limits of the axes are the caller's."""
+    from matplotlib.collections import LineCollection
+
+    lines = LineCollection(list(result.walls_w.reshape(-1, 2, 2)), colors="#555555", lw=0.8)
+    axis.add_collection(lines, autolim=False)
+
+
+def absent(axis: Any) -> None:
+    """Says that a panel has no trial."""
+    axis.text(0.5, 0.5, "no such trial", transform=axis.transAxes, ha="center", va="center", color="#999999")

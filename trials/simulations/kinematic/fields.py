@@ -1,0 +1,334 @@
+"""What a kinematic trial and its groups can be given, with units and sources, and what stands for what they leave open.
+
+A value of nan, or −1 leaders, is open: the herd that the law itself declares (`HERD` in its file) then gives it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from functools import cache
+from typing import Annotated, Any, NamedTuple
+
+from flocking import lawentry
+from flocking.kinematic.bands import MOST_M
+from flocking.parameters import Parameter, filled
+from flocking.taxonomy import Herd
+from trials.simulations import KINEMATIC
+from trials.simulations.kinematic import lattice_starts, links
+from trials.types import Group, Trial, Value
+
+OPEN = math.nan
+"""Left to the law's own herd."""
+OWN_LEADERS = -1
+"""Likewise of a number of leaders."""
+LEADER = 1
+"""The role of a leader or of a strong member."""
+NO_LIMIT = 0.0
+"""Of a speed, a turn rate or a range."""
+DETECTIONS = ("perfect", "member-based", "member-extrapolated", "sensor-based")
+OWN_SPACE = "own"
+"""The world that the law's own herd names."""
+SPACES = (OWN_SPACE, "unbounded", "bounded", "periodic", "obstacles")
+FORMATIONS = ("uniform", "single-group", "split-group", "triangular-lattice", "square-lattice", *lattice_starts.NAMES)
+_LAW = "the law's own herd: HERD in its file"
+
+
+class TrialFields(NamedTuple):
+    """Of a kinematic trial."""
+
+    steps: Annotated[int, Parameter("", "a choice", low=1, high=10_000_000)] = 500
+    timestep_s: Annotated[float, Parameter("s", _LAW, low=1e-6, high=1e3)] = OPEN
+    synchronous: Annotated[
+        bool, Parameter("", "false: one after the other within a step, in an order drawn anew (section 9.1.1)")
+    ] = True
+    keeps_way: Annotated[
+        bool, Parameter("", "a choice; false: once all is measured, only the first and the last moment are kept")
+    ] = True
+    every: Annotated[int, Parameter("steps", "a choice: from one moment that is kept to the next", low=1)] = 1
+    graph: Annotated[
+        str,
+        Parameter("", "a choice: who is in whose fixed set, for laws that select by one", choices=("ring", "complete")),
+    ] = "ring"
+    cut_m: Annotated[
+        float, Parameter("m", f"members farther apart are of different groups; {_LAW}, its spacing", low=0.0)
+    ] = OPEN
+    measured_share: Annotated[
+        float, Parameter("", "a choice: the last part of the trial over which measures are averaged", low=0.0, high=1.0)
+    ] = 0.5
+
+
+class NameFields(NamedTuple):
+    """Names of a kinematic trial."""
+
+    world: Annotated[str, Parameter("", _LAW, choices=SPACES)] = OWN_SPACE
+    formation: Annotated[str, Parameter("", "a choice", choices=FORMATIONS)] = "uniform"
+
+
+class GroupNames(NamedTuple):
+    """What a kinematic group shares with a group of robots."""
+
+    count: Annotated[int, Parameter("members", "a choice", low=1, high=1_000_000)] = 50  # type: ignore[assignment]
+    pipeline: Annotated[str, Parameter("", "Fine 2015, section 2.2, without noise", choices=DETECTIONS)] = "perfect"
+    selection: Annotated[str, Parameter("", "Fine 2015, table 3.1: what the law's sets select from")] = "all"
+    law: Annotated[str, Parameter("", "a choice")] = "random-motion"
+
+
+class GroupFields(NamedTuple):
+    """What else a kinematic group has."""
+
+    speed_m_s: Annotated[float, Parameter("m/s", f"at the start, along the heading; {_LAW}", low=0.0)] = OPEN
+    cruise_m_s: Annotated[
+        float, Parameter("m/s", f"towards a way-point, 0 = reached in one step; {_LAW}, its speed", low=0.0)
+    ] = OPEN
+    max_speed_m_s: Annotated[float, Parameter("m/s", "a choice: 0 = no limit", low=0.0)] = NO_LIMIT
+    max_turn_rate_rad_s: Annotated[float, Parameter("rad/s", "a choice: 0 = no limit", low=0.0)] = NO_LIMIT
+    radius_m: Annotated[float, Parameter("m", "a choice: 0 = points that nothing touches", low=0.0, high=MOST_M)] = 0.0
+    information: Annotated[
+        str,
+        Parameter("", "Fine 2015, section 4.1: what is known of neighbours", choices=("poses", "bearings")),
+    ] = "poses"
+    assumed_distance_m: Annotated[
+        float, Parameter("m", "a choice: where members stand of which only the bearing is known", low=1e-6, high=MOST_M)
+    ] = 1.0
+    silhouette_m: Annotated[
+        float, Parameter("m", "radius of a Create, as the detections see it", low=1e-6, high=MOST_M)
+    ] = 0.165
+    sight_m: Annotated[
+        float, Parameter("m", "range of detections (other than perfect) and obstacles; 0 = no limit", low=0.0)
+    ] = NO_LIMIT
+    obstacles: Annotated[
+        str,
+        Parameter(
+            "",
+            "Fine 2015, figure 3.3: left to the law, avoided by the shared rule, or made virtual members",
+            choices=("as-law", "avoid", "virtual-members"),
+        ),
+    ] = "as-law"
+    obstacle_selection: Annotated[str, Parameter("", "Fine 2015, figure 3.3, which leaves it open")] = "all"
+    look_ahead_m: Annotated[
+        float, Parameter("m", f"of the shared avoidance; three quarters of a spacing, or a step: {_LAW}", low=0.0)
+    ] = OPEN
+    margin_m: Annotated[float, Parameter("m", f"likewise; 0.28 of a spacing: {_LAW}", low=0.0)] = OPEN
+    virtual_range_m: Annotated[
+        float, Parameter("m", f"of obstacles that become virtual members; one spacing: {_LAW}", low=0.0)
+    ] = OPEN
+    informed_share: Annotated[
+        float, Parameter("", "share of the members that know the goal, rounded", low=0.0, high=1.0)
+    ] = 0.0
+    goal_x_m: Annotated[float, Parameter("m", "of the goal, from the herd's centre at the start")] = 1e9
+    goal_y_m: Annotated[float, Parameter("m", "likewise; far away it is a preferred direction")] = 0.0
+    role: Annotated[int, Parameter("", "0 ordinary, 1 leader or strong, for the laws that tell", low=0, high=1)] = 0
+    leaders: Annotated[
+        int, Parameter("members", f"the first so many have role 1, −1 = as many as: {_LAW}", low=OWN_LEADERS)
+    ] = OWN_LEADERS
+
+
+class SpaceParameters(NamedTuple):
+    """A square with walls around it."""
+
+    size_m: Annotated[
+        float,
+        Parameter("m", f"side of the square; {_LAW}, its spacing times the root of the count", low=1e-6, high=1e9),
+    ] = OPEN
+
+
+class PeriodicParameters(SpaceParameters):
+    """A square whose opposite sides are one."""
+
+
+class ObstacleParameters(NamedTuple):
+    """A bounded square with pieces of wall scattered in it."""
+
+    size_m: Annotated[
+        float,
+        Parameter("m", f"side of the square; {_LAW}, its spacing times the root of the count", low=1e-6, high=1e9),
+    ] = OPEN
+    walls: Annotated[
+        int, Parameter("", "a choice: straight pieces, uniformly placed and turned", low=0, high=10_000)
+    ] = 10
+    length_m: Annotated[float, Parameter("m", "a choice: of each; open: a tenth of the side", low=1e-6)] = OPEN
+
+
+class UniformParameters(NamedTuple):
+    """Uniformly over the whole of a sized world, or over a square in unbounded space."""
+
+    spacing_m: Annotated[
+        float, Parameter("m", f"side of that square over the root of the count; {_LAW}", low=1e-6, high=1e9)
+    ] = OPEN
+    heading_spread_deg: Annotated[
+        float, Parameter("deg", "headings are drawn within ± this; 180 = all", low=0.0, high=180.0)
+    ] = 180.0
+
+
+class GroupParameters(UniformParameters):
+    """One group, uniformly over a square in the middle of the world."""
+
+
+class SplitParameters(NamedTuple):
+    """Two equal groups side by side along x, each uniformly over a square."""
+
+    spacing_m: Annotated[
+        float, Parameter("m", f"side of a group's square over the root of its count; {_LAW}", low=1e-6, high=1e9)
+    ] = OPEN
+    gap_m: Annotated[
+        float, Parameter("m", "between the groups' centres: twice the spread that table 4.1 gives two groups", low=0.0)
+    ] = 9.9
+    heading_spread_deg: Annotated[
+        float, Parameter("deg", "headings are drawn within ± this; 180 = all", low=0.0, high=180.0)
+    ] = 180.0
+
+
+class LatticeParameters(NamedTuple):
+    """A lattice of squares, centred, as square as the count permits."""
+
+    spacing_m: Annotated[float, Parameter("m", f"between neighbours; {_LAW}", low=1e-6, high=1e9)] = OPEN
+    jitter_m: Annotated[float, Parameter("m", "a choice: shifts are drawn within ± this in x and y", low=0.0)] = 0.0
+    heading_spread_deg: Annotated[
+        float, Parameter("deg", "headings are drawn within ± this; 180 = all", low=0.0, high=180.0)
+    ] = 180.0
+
+
+class TriangularParameters(LatticeParameters):
+    """A lattice of equilateral triangles, centred, as square as the count permits."""
+
+
+class NoParameters(NamedTuple):
+    """The plane without a border."""
+
+
+WORLD_PARAMETERS: dict[str, type] = {
+    "unbounded": NoParameters,
+    "bounded": SpaceParameters,
+    "periodic": PeriodicParameters,
+    "obstacles": ObstacleParameters,
+}
+FORMATION_PARAMETERS: dict[str, type] = {
+    "uniform": UniformParameters,
+    "single-group": GroupParameters,
+    "split-group": SplitParameters,
+    "triangular-lattice": TriangularParameters,
+    "square-lattice": LatticeParameters,
+    **dict.fromkeys(lattice_starts.NAMES, lattice_starts.Parameters),
+}
+
+
+def trial(
+    experiment: str,
+    repeat: int,
+    groups: Sequence[Group],
+    *,
+    world: str = OWN_SPACE,
+    world_parameters: dict[str, Value] | None = None,
+    formation: str = "uniform",
+    formation_parameters: dict[str, Value] | None = None,
+    **kinematics: Value,
+) -> Trial:
+    """A kinematic trial; `kinematics`: of `TrialFields`."""
+    return Trial(
+        experiment=experiment,
+        index=1,
+        seed=1,
+        repeat=repeat,
+        world=world,
+        formation=formation,
+        duration_s=0.0,
+        groups=tuple(groups),
+        world_parameters=world_parameters or {},
+        simulation=KINEMATIC,
+        formation_parameters=formation_parameters or {},
+        kinematics=kinematics,
+    )
+
+
+def group(
+    law: str,
+    count: int,
+    *,
+    name: str = "herd",
+    selection: str = "all",
+    pipeline: str = "perfect",
+    law_parameters: dict[str, Value] | None = None,
+    **kinematics: Value,
+) -> Group:
+    """A kinematic group; `kinematics`: of `GroupFields`."""
+    return Group(
+        name=name,
+        count=count,
+        pipeline=pipeline,
+        selection=selection,
+        law=law,
+        law_parameters=law_parameters or {},
+        kinematics=kinematics,
+    )
+
+
+def own_herd(group: Group) -> Herd:
+    """The herd that a group's law declares."""
+    return _declared(group.law, group.law_source)
+
+
+@cache
+def _declared(law: str, source: str) -> Herd:
+    found: Herd = getattr(lawentry.module_of(law, source), "HERD", Herd(1.0, 1.0, 0.1))
+    return found
+
+
+def of_trial(trial: Trial) -> TrialFields:
+    """A trial's fields with everything filled in: what it leaves open is the first group's law's."""
+    fields: TrialFields = filled(TrialFields, trial.kinematics)
+    own = own_herd(trial.groups[0])
+    return fields._replace(
+        timestep_s=_closed(fields.timestep_s, own.dt_s),
+        cut_m=_closed(fields.cut_m, own.spacing_m),
+    )
+
+
+def of_group(group: Group) -> GroupFields:
+    """A group's fields with everything filled in."""
+    fields: GroupFields = filled(GroupFields, group.kinematics, prefix=f"{group.name}.")
+    own = own_herd(group)
+    return fields._replace(
+        speed_m_s=_closed(fields.speed_m_s, own.speed_m_s),
+        cruise_m_s=_closed(fields.cruise_m_s, own.speed_m_s),
+        look_ahead_m=_closed(fields.look_ahead_m, max(0.75 * own.spacing_m, own.speed_m_s * own.dt_s)),
+        margin_m=_closed(fields.margin_m, 0.28 * own.spacing_m),
+        virtual_range_m=_closed(fields.virtual_range_m, own.spacing_m),
+        leaders=min(own.leaders, group.count) if fields.leaders == OWN_LEADERS else fields.leaders,
+    )
+
+
+def space_of(trial: Trial) -> str:
+    """The name of a trial's world; the law's own where it is left to it."""
+    return own_herd(trial.groups[0]).space if trial.world == OWN_SPACE else trial.world
+
+
+def world_of(trial: Trial) -> Any:
+    """The world's parameters, filled in."""
+    fields = filled(WORLD_PARAMETERS[space_of(trial)], trial.world_parameters, prefix="world.")
+    if not hasattr(fields, "size_m"):
+        return fields
+    count = sum(group.count for group in trial.groups)
+    fields = fields._replace(size_m=_closed(fields.size_m, formation_of(trial).spacing_m * math.sqrt(count)))
+    if hasattr(fields, "length_m"):
+        fields = fields._replace(length_m=_closed(fields.length_m, fields.size_m / 10.0))
+    return fields
+
+
+def formation_of(trial: Trial) -> Any:
+    """The formation's parameters, filled in."""
+    fields = filled(FORMATION_PARAMETERS[trial.formation], trial.formation_parameters, prefix="formation.")
+    own = own_herd(trial.groups[0])
+    if trial.formation in lattice_starts.NAMES:
+        usual = own.spacing_m if trial.formation == lattice_starts.POSITION else own.speed_m_s
+        fields = fields._replace(strength=_closed(fields.strength, usual))
+    return fields._replace(spacing_m=_closed(fields.spacing_m, own.spacing_m))
+
+
+def links_of(trial: Trial) -> links.Parameters | None:
+    """With which a trial's links are measured; None if they are not."""
+    return filled(links.Parameters, trial.links, prefix="links.") if trial.links else None
+
+
+def _closed(value: float, own: float) -> float:
+    return own if math.isnan(value) else value

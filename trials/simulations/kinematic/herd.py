@@ -1,0 +1,213 @@
+"""A kinematic trial's names and numbers made into what `flocking.kinematic` takes."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from flocking import avoidance, lawentry, obstacle_selection, selection
+from flocking.errors import InputError, unknown_name
+from flocking.kinematic import Band, Space
+from flocking.kinematic.bands import check_linked, parsed_sets
+from flocking.lawentry import OF_MEMBERS
+from flocking.perception import Step
+from flocking.types import Bools, Floats, Ints
+from trials.simulations import spread
+from trials.simulations.kinematic import fields, formations, lattice_starts
+from trials.streams import Purpose, stream
+from trials.types import Group, Trial
+
+BEARINGS_ALONE = frozenset({"bearings", "positions", "ids"})
+"""What is known of neighbours where poses are not: a position then stands at the assumed distance."""
+MOST_KEPT = 100_000_000
+"""Members times moments kept: some 5 GB while the trial runs."""
+
+
+@dataclass(frozen=True)
+class Herd:
+    """All that `flocking.kinematic.simulate` needs."""
+
+    bands: list[Band]
+    """One a group, or two where it has leaders: they and then the others."""
+    space: Space
+    poses_w: Floats
+    """(N, 3) at the start."""
+    speeds: Floats
+    """(N,) at the start, m/s."""
+    fields: fields.TrialFields
+    graph: Bools | None
+    """(N, N): who is in whose fixed set; None if nobody selects by one."""
+    kinds: Ints
+    """(N,) number of each member's kind: its group, and within it whether it is informed."""
+
+
+def assemble(trial: Trial) -> Herd:
+    """Builds the herd of a trial. Raises `InputError` for names and numbers that do not exist or fit."""
+    space = _space(trial)
+    poses_w, speeds = _start(trial, space)
+    centre = np.zeros(2) if space.kind == "unbounded" else np.full(2, space.size_m / 2.0)
+    whole = [_band(trial, number, centre) for number in range(len(trial.groups))]
+    kinds = [2 * g + (np.isfinite(_goals(band)).all(axis=1)) for g, band in enumerate(whole)]
+    bands = [part for band, group in zip(whole, trial.groups, strict=True) for part in _by_role(band, group)]
+    given = fields.of_trial(trial)
+    graph = _graph(given.graph, len(poses_w)) if any(map(_selects_by_graph, bands)) else None
+    return Herd(bands, space, poses_w, speeds, given, graph, np.concatenate(kinds))
+
+
+def check(trial: Trial) -> None:
+    """Refuses a trial whose names and numbers do not fit one another, without compiling anything: `InputError`."""
+    if not trial.groups:
+        raise InputError("the trial has no members: expected a group")
+    for name, value, valid in (
+        ("world", trial.world, fields.SPACES),
+        ("formation", trial.formation, fields.FORMATIONS),
+    ):
+        if value not in valid:
+            raise unknown_name(name, value, valid)
+    given = fields.of_trial(trial)
+    count = sum(group.count for group in trial.groups)
+    every = 1 if trial.links else given.every
+    if given.every > given.steps:
+        raise InputError(
+            f"steps = {given.steps}: expected at least every = {given.every}, after which the first moment is kept; "
+            f"or --set every={given.steps}"
+        )
+    if count * (given.steps // every + 1) > MOST_KEPT:
+        raise InputError(
+            f"{count} members at {given.steps // every + 1} moments: expected at most {MOST_KEPT} positions "
+            f"to keep, as with --set every={math.ceil(count * given.steps / MOST_KEPT)}"
+        )
+    for number, group in enumerate(trial.groups):
+        if group.pipeline not in fields.DETECTIONS:
+            raise unknown_name("pipeline", group.pipeline, fields.DETECTIONS)
+        own = fields.of_group(group)
+        obstacle_selection.parse(own.obstacle_selection)
+        if own.leaders > group.count:
+            raise InputError(
+                f"{group.name}.leaders = {own.leaders}: expected at most the {group.count} members there are"
+            )
+        if _check_law(group) & {Step.GRAPH, Step.VORONOI}:
+            check_linked(count)
+        spread.check(trial, number, group.law_parameters)
+    _start(trial, _space(trial))
+
+
+def _check_law(group: Group) -> set[Step]:
+    """Refuses a law that needs what is not known, and a selection that it cannot use; what it selects by."""
+    module = lawentry.module_of(group.law, group.law_source)
+    values = lawentry.parameters_of(group.law, module, group.law_parameters, f"{group.name}.law.")._asdict()
+    sets = parsed_sets(group.law, group.selection, lawentry.sets_of(module), list(values))
+    for steps in sets:
+        selection.resolved(steps, values)
+    needs = frozenset(getattr(module, "NEEDS", {"positions"})) & OF_MEMBERS
+    missing = needs - BEARINGS_ALONE if fields.of_group(group).information == "bearings" else frozenset()
+    if missing:
+        raise InputError(
+            f"law {group.law!r} needs {' and '.join(sorted(missing))} of its neighbours, which bearings do not give; "
+            f"expected --set {group.name}.information=poses"
+        )
+    return {chosen.step for steps in sets for chosen in steps}
+
+
+def _start(trial: Trial, space: Space) -> tuple[Floats, Floats]:
+    """Poses (N, 3) and speeds (N,) at the start."""
+    count = sum(group.count for group in trial.groups)
+    rng = stream(trial.seed, trial.repeat, 0, 0, Purpose.START)
+    given = fields.formation_of(trial)
+    if trial.formation in lattice_starts.NAMES:
+        lattice_starts.check(space.kind)
+        return lattice_starts.start(trial.formation, given, count, rng)
+    size = space.size_m if space.kind != "unbounded" else math.inf
+    speeds = np.repeat([fields.of_group(group).speed_m_s for group in trial.groups], [g.count for g in trial.groups])
+    return formations.poses(trial.formation, given, count, size, rng), speeds
+
+
+def _space(trial: Trial) -> Space:
+    kind, given = fields.space_of(trial), fields.world_of(trial)
+    if kind == "unbounded":
+        return Space()
+    if kind != "obstacles":
+        return Space(kind, given.size_m)
+    rng = stream(trial.seed, trial.repeat, 0, 0, Purpose.WORLD)
+    return Space("bounded", given.size_m, formations.walls(given.walls, given.length_m, given.size_m, rng))
+
+
+def _band(trial: Trial, number: int, centre: Floats) -> Band:
+    group = trial.groups[number]
+    given = fields.of_group(group)
+    each: Mapping[str, Any] | list[dict[str, Any]] = group.law_parameters
+    if group.spread:
+        each = [spread.parameters(trial, number, member, group.law_parameters) for member in range(group.count)]
+    goals = np.full((group.count, 2), np.nan)
+    goals[: round(given.informed_share * group.count)] = centre + np.array([given.goal_x_m, given.goal_y_m])
+    return Band(
+        law=lawentry.load(group.law, group.law_source),
+        count=group.count,
+        parameters=each,
+        selection=group.selection,
+        cruise_m_s=_limit(given.cruise_m_s),
+        max_speed_m_s=_limit(given.max_speed_m_s),
+        max_turn_rate_rad_s=_limit(given.max_turn_rate_rad_s),
+        radius_m=given.radius_m,
+        goals_w=goals,
+        role=given.role,
+        detection=group.pipeline,
+        information=given.information,
+        assumed_distance_m=given.assumed_distance_m,
+        silhouette_m=given.silhouette_m,
+        sight_m=_limit(given.sight_m),
+        obstacle_selection=given.obstacle_selection,
+        obstacles=given.obstacles,
+        avoidance=avoidance.Parameters(given.look_ahead_m, given.margin_m, given.virtual_range_m),
+    )
+
+
+def _by_role(band: Band, group: Group) -> list[Band]:
+    """A group's band, or its leaders' and the others' if it has both."""
+    leaders = fields.of_group(group).leaders
+    if leaders == 0 or band.role == fields.LEADER:
+        return [band]
+    if leaders == band.count:
+        return [dataclasses.replace(band, role=fields.LEADER)]
+    goals, each = _goals(band), band.parameters
+    return [
+        dataclasses.replace(
+            band,
+            count=len(goals[part]),
+            goals_w=goals[part],
+            parameters=each if isinstance(each, Mapping) else each[part],
+            role=role,
+        )
+        for part, role in ((slice(leaders), fields.LEADER), (slice(leaders, None), band.role))
+    ]
+
+
+def _selects_by_graph(band: Band) -> bool:
+    sets = selection.parse_sets(band.selection, band.law.sets, band.law.parameter_names)
+    return any(chosen.step is Step.GRAPH for steps in sets for chosen in steps)
+
+
+def _graph(kind: str, count: int) -> Bools:
+    """(N, N) links: each member to the next and the last to the first, or all to all."""
+    check_linked(count)
+    if kind == "complete":
+        return ~np.eye(count, dtype=np.bool_)
+    linked = np.zeros((count, count), dtype=np.bool_)
+    members = np.arange(count)
+    linked[members, (members + 1) % count] = linked[(members + 1) % count, members] = True
+    np.fill_diagonal(linked, False)
+    return linked
+
+
+def _goals(band: Band) -> Floats:
+    assert band.goals_w is not None
+    return band.goals_w
+
+
+def _limit(value: float) -> float:
+    return value if value > 0.0 else math.inf

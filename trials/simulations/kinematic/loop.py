@@ -1,0 +1,111 @@
+"""Runs a kinematic trial: its herd, simulated and measured, as the same `TrialResult` that a physical trial gives."""
+
+from __future__ import annotations
+
+import dataclasses
+from time import perf_counter
+
+import numpy as np
+
+from flocking.kinematic import History, LawFailedError, simulate
+from flocking.types import Floats
+from trials.simulations import watch
+from trials.simulations.kinematic import fields, links
+from trials.simulations.kinematic.herd import Herd, assemble
+from trials.simulations.kinematic.measures import measure
+from trials.streams import Purpose, stream
+from trials.types import Contacts, Trial, TrialResult, Updates
+
+
+def run_trial(trial: Trial, reraise: bool = False) -> TrialResult:
+    """Runs one trial and measures it; the same `Trial` gives the same result.
+
+    A law that gives what it must not ends the trial: `outcome` is then `failed`, `reason` says why, and only the start
+    is kept; with `reraise` the error is raised instead. Raises `InputError` for a trial that cannot be set up.
+    """
+    started = perf_counter()
+    herd = assemble(trial)
+    built = perf_counter()
+    times, poses_w, outcome, reason = np.zeros(1), herd.poses_w[None], "done", ""
+    counted: dict[str, float] = {}
+    try:
+        history = simulated(trial, herd, 1 if trial.links else herd.fields.every)
+        times, poses_w = history.times, history.poses_w
+    except LawFailedError as error:
+        if reraise:
+            raise
+        outcome, reason = "failed", " ".join(str(error).split())
+    finished = perf_counter()
+    given = fields.links_of(trial)
+    if given is not None and outcome == "done":
+        period = herd.space.size_m if herd.space.kind == "periodic" else None
+        counted = links.measure(times, history.positions_w, history.velocities_w, given, period)
+        times, poses_w = times[:: herd.fields.every], poses_w[:: herd.fields.every].copy()
+    result = _result(trial, herd, times, poses_w, outcome, reason)
+    measures = measure(result, herd) | counted if outcome == "done" else {}
+    if not herd.fields.keeps_way and len(times) > 2:
+        result = dataclasses.replace(result, times=times[[0, -1]], poses_w=poses_w[[0, -1]])
+    timing = {"build_s": built - started, "loop_s": finished - built}
+    return dataclasses.replace(result, measures=measures, timing=timing)
+
+
+def simulated(trial: Trial, herd: Herd, every: int) -> History:
+    """The way of a trial's herd, of which every so many steps are kept. Raises `LawFailedError`."""
+    import flocking.kinematic.kernel  # noqa: F401 (compiles it, where no watch is on)
+
+    with watch.watched():
+        return simulate(
+            herd.bands,
+            herd.poses_w,
+            dt_s=herd.fields.timestep_s,
+            steps=herd.fields.steps,
+            rng=stream(trial.seed, trial.repeat, 1, 0, Purpose.LAW),
+            space=herd.space,
+            speeds_m_s=herd.speeds,
+            synchronous=herd.fields.synchronous,
+            every=every,
+            graph=herd.graph,
+            said=watch.breathe,
+            turn=watch.turn,
+        )
+
+
+def _result(trial: Trial, herd: Herd, times: Floats, poses_w: Floats, outcome: str, reason: str) -> TrialResult:
+    """A result with no updates, odometry or bumpers: a kinematic herd has none."""
+    count = len(herd.poses_w)
+    poses_w[..., 2] = np.unwrap(poses_w[..., 2], axis=0)
+    none, whole = np.empty(0), np.empty(0, np.int64)
+    updates = Updates(
+        times=none,
+        robots=whole,
+        kinds=whole,
+        rules=whole,
+        motions=np.empty((0, 2)),
+        poses_w=np.empty((0, 3)),
+        commands=np.empty((0, 2)),
+        input_starts=np.zeros(1, np.int64),
+        input_positions=np.empty((0, 2), np.float32),
+        input_owners=np.empty(0, np.int16),
+        member_states=np.empty((0, count), np.int8),
+        beams_lit=whole,
+        beams_missed=whole,
+        beams_made_up=whole,
+    )
+    return TrialResult(
+        trial=trial,
+        times=times,
+        poses_w=poses_w,
+        odometry=np.empty((0, count, 3)),
+        bumpers=np.empty((0, count, 2), np.bool_),
+        robot_names=tuple(f"{group.name}-{k + 1}" for group in trial.groups for k in range(group.count)),
+        radii=np.repeat([band.radius_m for band in herd.bands], [band.count for band in herd.bands]),
+        rules=(),
+        walls_w=np.array(herd.space.place().walls),
+        updates=updates,
+        contacts=Contacts(none, whole, whole, np.empty((0, 2))),
+        scans=None,
+        measures={},
+        outcome=outcome,
+        reason=reason,
+        timing={},
+    )

@@ -1,0 +1,106 @@
+"""How a kinematic trial's recording opens in the viewer."""
+
+from __future__ import annotations
+
+import numpy as np
+import rerun.blueprint as rrb
+from numpy.typing import NDArray
+
+from trials.simulations.columns import TIMELINE
+from trials.simulations.kinematic import fields
+from trials.simulations.robots.screen import ROBOT_COLOURS
+from trials.types import TrialResult
+
+TRAIL_SHARE = 0.1
+"""Of the trial: how long a piece of its way a member draws behind it."""
+TRAIL_COLOUR = 0x8FA3B880
+MARK_SHARE = 0.25
+"""Size of a member that has none, of the spacing at the start."""
+
+
+def size_of(result: TrialResult) -> float:
+    """Length of a member's arrow, m."""
+    largest = float(result.radii.max(initial=0.0))
+    return 2.0 * largest if largest > 0.0 else MARK_SHARE * float(fields.formation_of(result.trial).spacing_m)
+
+
+def colours(result: TrialResult) -> NDArray[np.uint32]:
+    """(N,) packed: one colour for the informed of a group and one for its others; few members each have their own."""
+    groups = result.trial.groups
+    if len(result.robot_names) <= len(ROBOT_COLOURS):
+        return ROBOT_COLOURS[: len(result.robot_names)]
+    kinds: list[int] = []
+    for number, group in enumerate(groups):
+        informed = round(fields.of_group(group).informed_share * group.count)
+        kinds += [2 * number] * informed + [2 * number + 1] * (group.count - informed)
+    return ROBOT_COLOURS[np.array(kinds) % len(ROBOT_COLOURS)]
+
+
+def blueprint(result: TrialResult) -> rrb.Blueprint:
+    """The plane on the left, plots and words on the right."""
+    positions = result.poses_w[..., :2].reshape(-1, 2)
+    positions = positions[np.isfinite(positions).all(axis=1)]
+    margin = 2.0 * size_of(result)
+    ends = np.concatenate([positions, result.walls_w.reshape(-1, 2), np.zeros((1, 2))])
+    low, high = ends.min(axis=0) - margin, ends.max(axis=0) + margin
+    span = float(result.times[-1]) * TRAIL_SHARE if len(result.times) else 0.0
+    plane = rrb.Spatial2DView(
+        origin="/",
+        contents=["+ /world/**"],
+        name="Plane",
+        background=[14, 17, 23],
+        visual_bounds=rrb.VisualBounds2D(x_range=(low[0], high[0]), y_range=(-high[1], -low[1])),
+        overrides={
+            "world/trails": rrb.VisibleTimeRanges(
+                timeline=TIMELINE,
+                start=rrb.TimeRangeBoundary.cursor_relative(seconds=-span),
+                end=rrb.TimeRangeBoundary.cursor_relative(),
+            )
+        },
+    )
+    plots = [
+        _plot("Order and unity", ["polarization", "largest_share"], (0.0, 1.05)),
+        _plot("Median distance from the centre (m)", ["mmd"]),
+        _plot("Number of groups", ["groups"]),
+        rrb.Tabs(
+            _plot("Net displacement of the centre (m)", ["net_displacement"]),
+            rrb.TextDocumentView(origin="/about", name="About"),
+        ),
+    ]
+    return rrb.Blueprint(
+        rrb.Horizontal(plane, rrb.Vertical(*plots), column_shares=[2, 1]),
+        rrb.TimePanel(timeline=TIMELINE, state="collapsed", play_state="playing", loop_mode="all"),
+        rrb.BlueprintPanel(state="collapsed"),
+        rrb.SelectionPanel(state="collapsed"),
+    )
+
+
+def about(result: TrialResult) -> str:
+    """The trial in words (Markdown)."""
+    trial, given = result.trial, fields.of_trial(result.trial)
+    lines = [
+        f"# {trial.experiment}, trial {trial.index}",
+        f"Seed {trial.seed}, repeat {trial.repeat}; {fields.space_of(trial)} space, formation {trial.formation}; "
+        f"{given.steps} {'synchronous' if given.synchronous else 'asynchronous'} steps of {given.timestep_s:g} s.",
+        f"**{result.outcome}**{': ' + result.reason if result.reason else ''}",
+        "",
+    ]
+    lines += [f"- `{key}` = {value}" for key, value in trial.conditions.items()]
+    lines += [
+        f"- {group.count} x {group.name}: {group.law}, {group.pipeline}, selection {group.selection}"
+        for group in trial.groups
+    ]
+    if result.measures:
+        lines += ["", "| measure | value |", "|---|---|"]
+        lines += [f"| {name} | {value:.4g} |" for name, value in result.measures.items() if "/" not in name]
+    return "\n".join(lines)
+
+
+def _plot(name: str, measures: list[str], y_range: tuple[float, float] | None = None) -> rrb.TimeSeriesView:
+    return rrb.TimeSeriesView(
+        origin="/",
+        contents=[f"+ /measures/{measure}" for measure in measures],
+        name=name,
+        axis_y=rrb.ScalarAxis(range=y_range) if y_range else None,
+        plot_legend=rrb.PlotLegend(visible=len(measures) > 1),
+    )

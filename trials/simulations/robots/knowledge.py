@@ -1,0 +1,84 @@
+"""What a robot knows of itself: how it moves, its heading in the world, where its goal is.
+
+Its pose at the start is known to it. From there on it reckons, by one of three:
+
+- `commands`: the drive commands and the wheels' acceleration limit. It sees neither slip nor contacts.
+- `odometry`: the Create's counts of whole millimetres and degrees, which read no turn slower than 67 degrees/s
+  (`robots.create.odometry`).
+- `true`: global knowledge, for ideal cases.
+
+In the detection case study (six robots, 60 s, extended Hamilton's rule) one update of 0.1 s turns a robot by 0.5
+degrees in the mean; `commands` errs by 0.2 degrees (rms) and after the minute by 0 to 45 degrees, most where robots
+touch; `odometry` errs by 1.0 degrees and after the minute by 18 to 137 degrees.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from flocking.angles import wrap
+from flocking.types import Floats
+from robots.create.fleet import Fleet
+
+COMMANDS, ODOMETRY, TRUE = SOURCES = ("commands", "odometry", "true")
+TURN_RATE, COMPASS, GOAL = 2, 3, slice(4, 6)
+"""Where a law's entry wants them (`flocking.lawentry.OWN_SIZE`); the velocity is in front."""
+
+
+class Knowledge:
+    """One robot's, brought up to date at each of its updates."""
+
+    def __init__(
+        self, fleet: Fleet, index: int, source: str, start_w: Floats, goal_w: Floats | None, follows_pose: bool
+    ) -> None:
+        """`start_w` (3,): its pose at the start. `follows_pose`: whether anybody asks for `pose_w`."""
+        self.fleet, self.index, self.source = fleet, index, source
+        self.start_w, self.goal_w, self.follows_pose = start_w, goal_w, follows_pose
+        self.pose_w = start_w.copy()
+        """(3,) x, y and heading in the world, as far as it knows."""
+        self._true_heading = float(start_w[2])
+
+    def tell(self, data: Any, elapsed: float, row: Floats) -> None:
+        """Fills the row of a law's `Own` (the encoders' motion is in it), and moves `pose_w` on.
+
+        `elapsed`: time since this was last called, s.
+        """
+        if self.source == COMMANDS:
+            self.fleet.meant(self.index, row)
+        elif self.source == TRUE:
+            self._truly(data, elapsed, row)
+        if not self.follows_pose:
+            return
+        if self.source != TRUE:
+            way = self.fleet.meant_pose(self.index) if self.source == COMMANDS else self.fleet.counted_pose(self.index)
+            self.pose_w = composed(self.start_w, way)
+        x, y, heading = self.pose_w.tolist()
+        row[COMPASS] = wrap(heading)
+        if self.goal_w is not None:
+            to_x, to_y = self.goal_w[0] - x, self.goal_w[1] - y
+            c, s = math.cos(heading), math.sin(heading)
+            row[GOAL] = c * to_x + s * to_y, c * to_y - s * to_x
+
+    def _truly(self, data: Any, elapsed: float, row: Floats) -> None:
+        self.pose_w = self.fleet.poses(data)[self.index]
+        heading = float(self.pose_w[2])
+        vx, vy = self.fleet.velocities(data)[self.index].tolist()
+        c, s = math.cos(heading), math.sin(heading)
+        row[0], row[1] = c * vx + s * vy, c * vy - s * vx
+        row[TURN_RATE] = wrap(heading - self._true_heading) / elapsed if elapsed > 0.0 else 0.0
+        self._true_heading = heading
+
+
+def composed(first: Floats, second: Floats) -> Floats:
+    """(3,) the pose that lies at `second` in the frame of the pose `first`."""
+    c, s = math.cos(first[2]), math.sin(first[2])
+    return np.array(
+        [
+            first[0] + c * second[0] - s * second[1],
+            first[1] + s * second[0] + c * second[1],
+            first[2] + second[2],
+        ]
+    )

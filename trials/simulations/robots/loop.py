@@ -1,0 +1,115 @@
+"""The loop that runs a trial: every robot senses and acts on its own clock."""
+
+from __future__ import annotations
+
+import dataclasses
+import heapq
+from time import perf_counter
+
+import numpy as np
+
+from flocking.errors import InputError
+from flocking.types import Floats
+from sensing.truth import judge
+from trials.simulations import watch
+from trials.simulations.robots.herd import Herd, assemble
+from trials.simulations.robots.log import SAMPLE_S, Log
+from trials.simulations.robots.robot import LawError
+from trials.types import Trial, TrialResult
+
+ACT, SENSE, SAMPLE = range(3)
+"""What an event does; of those at the same tick, acts come before all sensing, and samples last."""
+
+
+class TrialError(RuntimeError):
+    """A trial cannot go on; the message says why in one line."""
+
+
+def run_trial(trial: Trial, scans: str = "none", reraise: bool = False) -> TrialResult:
+    """Runs one trial and measures it; the same `Trial` gives the same result.
+
+    `scans`: which scans to keep for a recording: `none`, `some` (2 Hz) or `all`. They do not change the result.
+    Physics that diverges, a law that returns nan or anything else that goes wrong ends the trial: `outcome` is then
+    `failed`, `reason` says why, and what was measured until then is kept; with `reraise` the error is raised instead.
+    Raises `InputError` for a trial that cannot be set up.
+    """
+    from trials.simulations.robots.measures import measure
+
+    if scans not in ("none", "some", "all"):
+        raise InputError(f"scans {scans!r}: expected none, some or all")
+    started = perf_counter()
+    herd = assemble(trial, record=scans != "none")
+    log = Log(trial, len(herd.robots), scans)
+    built = perf_counter()
+    outcome, reason = "done", ""
+    try:
+        run(herd, log, last=round(trial.duration_s / trial.timestep_s))
+    except Exception as error:
+        if reraise:
+            raise
+        told = str(error) if isinstance(error, LawError | TrialError) else f"{type(error).__name__}: {error}"
+        outcome, reason = "failed", f"{' '.join(told.split())} at {herd.world.data.time:.2f} s"
+    finally:
+        watch.end()
+    finished = perf_counter()
+    result = log.result(
+        names=herd.world.names,
+        radii=herd.radii,
+        rules=tuple(robot.rules for robot in herd.robots),
+        walls_w=herd.world.walls.segments,
+        contacts=herd.world.contacts,
+        outcome=outcome,
+        reason=reason,
+        timing={"build_s": built - started, "loop_s": finished - built},
+    )
+    return dataclasses.replace(result, measures=measure(result) if len(result.times) else {})
+
+
+def run(herd: Herd, log: Log, last: int) -> None:
+    """Runs the herd until tick `last`."""
+    world, robots, data = herd.world, herd.robots, herd.world.data
+    sample_every = round(SAMPLE_S / herd.timestep)
+    events: list[tuple[int, int, int, tuple[float, float] | None]] = [(0, SAMPLE, 0, None)]
+    events += [(robot.next_tick, SENSE, robot.index, None) for robot in robots]
+    heapq.heapify(events)
+    poses_tick, poses_w = -1, np.empty((0, 3))
+    while events and events[0][0] <= last:
+        tick, what, k, command = heapq.heappop(events)
+        if tick > world.tick:
+            world.advance(to=tick)
+        if what == ACT and command is not None:
+            robots[k].apply(command)  # 5 physical motion
+            continue
+        if tick != poses_tick:
+            poses_tick, poses_w = tick, world.fleet.poses(data)
+        if what == SAMPLE:
+            _check(herd, poses_w)
+            log.sample(data.time, poses_w, world.fleet.odometry, world.fleet.bumpers)
+            heapq.heappush(events, (tick + sample_every, SAMPLE, 0, None))
+            continue
+        robot = robots[k]
+        keep = log.wants_scan(k, data.time)
+        senses, truth = robot.sense(data, data.time, herd.world_truth(k, poses_w), record=keep)  # 1
+        detection = robot.detect(senses)  # 2, and 6 obstacle detection
+        heeded = robot.heed(detection)  # 7 obstacle selection
+        sets = robot.select(heeded.members)  # 3
+        watch.begin(tick, k)
+        motion = robot.decide(heeded, sets)  # 4
+        watch.end()
+        motion = robot.avoid(motion, heeded)
+        command = robot.drive(motion)  # 5, after the latency
+        heapq.heappush(events, (tick + robot.latency, ACT, k, command))
+        heapq.heappush(events, (tick + robot.period, SENSE, k, None))
+        log.update(data.time, k, poses_w[k], detection, judge(detection, truth, k, len(robots)), motion, command)
+        if keep and senses.scan is not None:
+            log.scan(data.time, k, poses_w[k], senses.scan)
+
+
+def _check(herd: Herd, poses_w: Floats) -> None:
+    """Raises `TrialError` if physics diverged or a robot came to the end of its world."""
+    world = herd.world
+    # MuJoCo starts again from time 0 when positions, velocities or accelerations are no longer finite
+    if not np.isfinite(poses_w).all() or abs(world.data.time - world.tick * herd.timestep) > 0.5 * herd.timestep:
+        raise TrialError("physics diverged")
+    if np.abs(poses_w[:, 0]).max() > world.free_length:
+        raise TrialError(f"a robot reached the end of {herd.trial.world!r}")

@@ -1,0 +1,94 @@
+"""What robots do about those whom they see, and about nobody: following one member, keeping the direction.
+
+Source of what is measured: Fine 2015, section 4.2 and figure 4.3: a robot that selects one member follows the leader.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from flocking import selection
+from flocking.types import Bools, Floats, Ints, Kind, Members
+from trials.simulations.robots.information import selections
+from trials.types import TrialResult, Updates
+
+SETTLED_S = 0.5
+"""Since somebody was last seen: scans, latency and the wheels' ramps take about 0.3 s to end a turn."""
+
+
+def followed(result: TrialResult) -> Ints:
+    """(U,) the member that a way-point is made from: all inputs in the law's sets are its own; −1: there is no such."""
+    updates = result.updates
+    chosen = np.full(len(updates.times), -1, dtype=np.int64)
+    first = 0
+    for group in result.trial.groups:
+        sets = selections(group)
+        own = (updates.robots >= first) & (updates.robots < first + group.count) & (updates.kinds == Kind.WAY_POINT)
+        if not any(sets):  # everybody is selected
+            own &= _of_one_owner(updates)
+            chosen[own] = updates.input_owners[updates.input_starts[:-1][own]]
+        else:
+            for u in np.flatnonzero(own):
+                chosen[u] = _only_owner(updates, int(u), sets)
+        first += group.count
+    return chosen
+
+
+def following(result: TrialResult) -> dict[str, float]:
+    """What robots do; nan where there were no updates to measure on."""
+    updates = result.updates
+    return {
+        "follow_share": _share(followed(result) >= 0, updates.kinds == Kind.WAY_POINT),
+        "blind_turn_rad_s": _blind_turn(updates),
+    }
+
+
+def _blind_turn(updates: Updates) -> float:
+    """Mean turn rate (rad/s), whichever way, of robots that have seen nobody for `SETTLED_S`, from update to update."""
+    order = np.lexsort((updates.times, updates.robots))
+    robots, times, headings = updates.robots[order], updates.times[order], updates.poses_w[order, 2]
+    seeing = np.diff(updates.input_starts)[order] > 0
+    first = np.append(True, robots[1:] != robots[:-1])[: len(robots)]
+    since = np.maximum.accumulate(np.where(seeing | first, np.arange(len(robots)), 0))
+    settled = (robots[1:] == robots[:-1]) & ~seeing[:-1] & (times[:-1] - times[since[:-1]] >= SETTLED_S - 1e-9)
+    turned = (headings[1:] - headings[:-1] + math.pi) % (2.0 * math.pi) - math.pi
+    passed = times[1:][settled] - times[:-1][settled]
+    return float((np.abs(turned[settled]) / passed).mean()) if settled.any() else math.nan
+
+
+def _of_one_owner(updates: Updates) -> Bools:
+    """(U,) whether all inputs of an update are of the same owner, and there are some."""
+    counts = np.diff(updates.input_starts)
+    some = np.flatnonzero(counts)
+    found = np.zeros(len(counts), dtype=np.bool_)
+    if len(some):
+        starts = updates.input_starts[some]
+        owners = updates.input_owners
+        found[some] = np.minimum.reduceat(owners, starts) == np.maximum.reduceat(owners, starts)
+    return found
+
+
+def _only_owner(updates: Updates, u: int, sets: list[list[selection.Chosen]]) -> int:
+    """The one member of which all inputs in the sets are; −1 if there are several, or none, or made-up ones."""
+    inputs = slice(updates.input_starts[u], updates.input_starts[u + 1])
+    owners = updates.input_owners[inputs].astype(np.int64)
+    kept = _chosen(updates.input_positions[inputs].astype(np.float64), owners, sets)
+    return int(owners[kept][0]) if kept.any() and (owners[kept] == owners[kept][0]).all() else -1
+
+
+def _chosen(positions: Floats, owners: Ints, sets: list[list[selection.Chosen]]) -> Bools:
+    """(M,) which inputs are in any of the sets."""
+    none = np.full(len(owners), np.nan)
+    bearings = np.arctan2(positions[:, 1], positions[:, 0])
+    members = Members(positions, bearings, none, np.full((len(owners), 2), np.nan), owners)
+    kept = np.zeros(len(owners), dtype=np.bool_)
+    for steps in sets:
+        kept |= selection.select(steps, members)
+    return kept
+
+
+def _share(of: Bools, among: Bools) -> float:
+    whole = int(among.sum())
+    return int((of & among).sum()) / whole if whole else math.nan

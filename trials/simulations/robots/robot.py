@@ -1,0 +1,200 @@
+"""One robot's mind: the five stages as five methods, called by the loop."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from functools import cache
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+
+from flocking import selection
+from flocking.lawentry import MOTIONS_WITHOUT_NUMBERS, OWN_SIZE, Law
+from flocking.types import Bools, Floats, Kind, Members, Motion, Own
+from robots.create.controller import follow
+from robots.create.fleet import Fleet
+from sensing.association import Association
+from sensing.laser.hokuyo import PERIOD_S, Lasers
+from sensing.types import Detection, PipelineState, Scan, ScanTruth, Senses, WorldTruth
+from trials.simulations.robots.knowledge import COMPASS, GOAL, Knowledge
+from trials.simulations.robots.obstacle_stage import AVOIDING, ObstacleStage
+from trials.types import Group
+
+_AHEAD = 64
+"""Updates for which a law's random numbers are drawn at once."""
+
+
+@cache
+def _everyone(sets: int, members: int) -> Bools:
+    """Masks that keep everybody. Laws do not write to their sets."""
+    return np.ones((sets, members), dtype=np.bool_)
+
+
+class LawError(ValueError):
+    """A law returned what it must not."""
+
+
+@dataclass
+class Robot:
+    """The k-th robot of a trial: its clock, its stages, and what it remembers between updates."""
+
+    index: int
+    name: str
+    group: Group
+    period: int
+    """Ticks between updates."""
+    latency: int
+    """Ticks from sensing to acting."""
+    next_tick: int
+    pipeline: ModuleType
+    pipeline_state: PipelineState
+    selections: list[list[selection.Chosen]]
+    law: Law
+    law_parameters: Floats
+    law_rng: np.random.Generator
+    range_rng: np.random.Generator
+    intensity_rng: np.random.Generator
+    reads: frozenset[str]
+    """What its pipeline reads."""
+    fleet: Fleet
+    lasers: Lasers | None
+    knowledge: Knowledge
+    association: Association | None
+    """Of detections that lack what the law needs."""
+    obstacle_stage: ObstacleStage
+    role: int
+    memory: Floats
+    dt: float
+    command: tuple[float, float] = (0.0, 0.0)
+    """Speed (m/s) and turn rate (rad/s) decided last."""
+    own: Own | None = None
+    _own_row: Floats = field(default_factory=lambda: np.full(OWN_SIZE, np.nan))
+    _contacts: Bools = field(default_factory=lambda: np.zeros(2, dtype=np.bool_))
+    _last_scan: tuple[Scan, ScanTruth] | None = None
+    _scanned: float = -math.inf
+    """Time of its last scan, s."""
+    _sensed: float = 0.0
+    """Time of its last update, s."""
+    _draws: Floats = field(default_factory=lambda: np.empty((0, 0)))
+    _drawn: int = 0
+    _motion_row: Floats = field(default_factory=lambda: np.zeros(4))
+
+    def __post_init__(self) -> None:
+        self._velocity, self._goal = self._own_row[0:2], self._own_row[GOAL]
+        self._reads_intensity = "intensity" in self.reads
+        self._reads_owners = "owners" in self.reads
+        self._reads_scan = self._reads_intensity or "scan" in self.reads
+        lasers = self.lasers
+        self._free_intensity = lasers is not None and lasers.parameters[self.index].intensity_mode == "ideal"
+        self._own_row[8], self._own_row[9], self._own_row[10] = self.dt, self.index, self.role
+
+    def sense(
+        self, data: Any, time: float, truth: WorldTruth | None, *, record: bool
+    ) -> tuple[Senses, ScanTruth | None]:
+        """Stage 1. The second value is ground truth: it goes past the robot, to the log.
+
+        Nothing that nobody reads is sensed, unless it is recorded. A robot that is due again before its laser has made
+        another scan acts on the last one. Where intensity costs ranges (the laser's modes but
+        `ideal`) a recording goes without it, so that it does not change what the robot sees.
+        """
+        row, contacts = self._own_row, self._contacts
+        self.fleet.own(self.index, row, contacts)
+        row[6], row[7] = contacts
+        self.knowledge.tell(data, time - self._sensed, row)
+        self._sensed = time
+        self.own = Own(
+            self._velocity, float(row[2]), float(row[COMPASS]), self._goal, contacts, self.dt, self.index, self.role
+        )
+        if self.lasers is None or not (record or self._reads_scan):
+            return Senses(None, truth), None
+        if time - self._scanned < PERIOD_S - 1e-9 and self._last_scan is not None:
+            scan, scan_truth = self._last_scan
+            return Senses(scan, truth, scan_truth.owners if self._reads_owners else None), scan_truth
+        rng = self.intensity_rng if self._reads_intensity or (record and self._free_intensity) else None
+        scan, scan_truth = self._last_scan = self.lasers.read(data, self.index, time, self.range_rng, rng)
+        self._scanned = time
+        return Senses(scan, truth, scan_truth.owners if self._reads_owners else None), scan_truth
+
+    def detect(self, senses: Senses) -> Detection:
+        """Stage 2, with what association infers from the detection before."""
+        detection, self.pipeline_state = self.pipeline.detect(senses, self.own, self.pipeline_state)
+        if self.association is None:
+            return detection
+        time = self._scanned if self._reads_scan else self._sensed
+        return self.association.infer(detection, time, self.knowledge.pose_w)
+
+    def heed(self, detection: Detection) -> Detection:
+        """Stage 7, obstacle selection, and where the group has them the virtual members that obstacles make."""
+        return self.obstacle_stage.heeded(detection, self._velocity) if self.obstacle_stage.acts else detection
+
+    def select(self, members: Members) -> Bools:
+        """Stage 3: masks (S, M)."""
+        if not any(self.selections):
+            return _everyone(len(self.selections), len(members.ids))
+        sets = np.ones((len(self.selections), len(members.ids)), dtype=np.bool_)
+        for s, steps in enumerate(self.selections):
+            if steps:
+                sets[s] = selection.select(steps, members)
+        return sets
+
+    def decide(self, detection: Detection, sets: Bools) -> Motion:
+        """Stage 4. Raises `LawError` if the law fails, or returns an unknown kind or rule or numbers not finite."""
+        draws = self._draw()
+        row = self._motion_row
+        members = detection.members
+        try:
+            self.law.entry(
+                self._own_row,
+                members.positions,
+                members.bearings,
+                members.headings,
+                members.velocities,
+                members.ids,
+                sets,
+                detection.obstacles.points,
+                self.law_parameters,
+                self.memory,
+                draws,
+                row,
+            )
+        except Exception as error:
+            raise LawError(f"law {self.law.name!r} failed for {self.name}: {type(error).__name__}: {error}") from error
+        kind, x, y, rule = row.tolist()
+        finite = kind in MOTIONS_WITHOUT_NUMBERS or abs(x) + abs(y) < np.inf
+        if not (finite and 0 <= kind < len(Kind) and 0 <= rule < len(self.law.rules)):
+            raise LawError(
+                f"law {self.law.name!r} returned kind {kind:g}, x {x:g}, y {y:g}, rule {rule:g} for {self.name}"
+            )
+        return Motion(int(kind), x, y, int(rule))
+
+    def avoid(self, motion: Motion, detection: Detection) -> Motion:
+        """What the avoidance of obstacles makes of the law's motion, where the group has it added."""
+        if not self.obstacle_stage.avoids:
+            return motion
+        return self.obstacle_stage.avoided(motion, self._velocity, self.dt, detection.obstacles, len(self.law.rules))
+
+    @property
+    def rules(self) -> tuple[str, ...]:
+        """Names that `Motion.rule` is an index into: the law's, and the avoidance where it is added."""
+        return (*self.law.rules, AVOIDING) if self.obstacle_stage.avoids else self.law.rules
+
+    def _draw(self) -> Floats:
+        """The next uniform numbers (DRAWS,) of the law's stream, drawn many at a time."""
+        if self._drawn == len(self._draws):
+            self._draws, self._drawn = self.law_rng.random((_AHEAD, self.law.draws)), 0
+        self._drawn += 1
+        draws: Floats = self._draws[self._drawn - 1]
+        return draws
+
+    def drive(self, motion: Motion) -> tuple[float, float]:
+        """Stage 5, first half: what the wheels shall do; takes effect when `apply` is called after the latency."""
+        self.command = follow(
+            motion.kind, motion.x, motion.y, self.group.speed_m_s, self.command[0], self.command[1], self.dt
+        )
+        return self.command
+
+    def apply(self, command: tuple[float, float]) -> None:
+        """Stage 5, second half: the command reaches the wheels."""
+        self.fleet.command(self.index, command[0], command[1])

@@ -1,0 +1,149 @@
+"""How a recording opens in the viewer: which views, what each shows, and in which colours."""
+
+from __future__ import annotations
+
+import numpy as np
+import rerun.blueprint as rrb
+from numpy.typing import NDArray
+
+from flocking.types import Floats
+from trials.simulations.columns import TIMELINE
+from trials.types import TrialResult
+
+TRAIL_S = 15.0
+"""Of its way, what a robot draws behind it."""
+CONTACT_S = 1.5
+"""How long a contact stays in sight."""
+
+ROBOT_COLOURS = np.array(
+    [0xE69F00FF, 0x56B4E9FF, 0x2FBF8FFF, 0xF0E442FF, 0xF0703AFF, 0xD58BB8FF, 0x7D9BFFFF, 0xB8C4CEFF], np.uint32
+)
+"""After Okabe and Ito 2008, which colour-blind people can tell apart; the dark ones lightened."""
+IDLE_COLOUR = 0x6B7280FF
+"""Of the rule `none`."""
+RULE_COLOURS = (0x3B9BFFFF, 0xFFB000FF, 0xDC267FFF, 0x44C26DFF, 0xA678F0FF, 0x2ED1C9FF)
+
+
+def robot_colours(count: int) -> NDArray[np.uint32]:
+    """(N,) packed colours; they repeat beyond eight robots."""
+    return ROBOT_COLOURS[np.arange(count) % len(ROBOT_COLOURS)]
+
+
+def rule_names(result: TrialResult) -> list[str]:
+    """All rules of the robots' laws, each once."""
+    return list(dict.fromkeys(rule for rules in result.rules for rule in rules))
+
+
+def rule_colours(result: TrialResult) -> dict[str, int]:
+    """Packed colour of each rule."""
+    speaking = [rule for rule in rule_names(result) if rule != "none"]
+    colours = {rule: RULE_COLOURS[i % len(RULE_COLOURS)] for i, rule in enumerate(speaking)}
+    return {"none": IDLE_COLOUR, **colours}
+
+
+def blueprint(result: TrialResult) -> rrb.Blueprint:
+    """Plan views and the rules on the left, plots and words on the right."""
+    half_width, half_height = _reach(result)
+    low, high = _ground(result)
+    plan = ["+ /world/**"]
+    close = rrb.Spatial2DView(
+        origin="/herd",
+        contents=plan,
+        name="Plan, following the herd",
+        background=[14, 17, 23],
+        visual_bounds=rrb.VisualBounds2D(x_range=(-half_width, half_width), y_range=(-half_height, half_height)),
+        overrides={"world/trails": _window(TRAIL_S), "world/contacts": _window(CONTACT_S)},
+    )
+    whole = rrb.Spatial2DView(
+        origin="/",
+        contents=[*plan, "- /world/scans/**", "- /world/members/**", "- /world/way_points/**", "- /world/trails"],
+        name="Whole way",
+        background=[14, 17, 23],
+        visual_bounds=rrb.VisualBounds2D(x_range=(low[0], high[0]), y_range=(-high[1], -low[1])),
+        overrides={"world/contacts": _window(CONTACT_S)},
+    )
+    states = rrb.Tabs(
+        rrb.StateTimelineView(origin="/rules", name="Rule that acts"),
+        rrb.StateTimelineView(origin="/bumpers", name="Bumpers"),
+        rrb.TextLogView(origin="/events", name="Contacts"),
+    )
+    plots = [
+        _plot("Order", ["/measures/polarization", "/measures/straightness"], (0.0, 1.05)),
+        _plot("Median distance from the centre (m)", ["/measures/mmd"]),
+        _plot("Speed of the group (m/s)", ["/measures/group_speed"]),
+        _plot("Number of groups", ["/measures/groups"], (0.0, len(result.robot_names) + 0.5)),
+        rrb.Tabs(
+            _plot("Share of each rule", ["/rule_shares/**"], (0.0, 1.05)),
+            _plot("Distance to the nearest input (m)", ["/nearest_inputs/**"]),
+            rrb.TextDocumentView(origin="/about", name="About"),
+        ),
+    ]
+    return rrb.Blueprint(
+        rrb.Horizontal(
+            rrb.Vertical(close, whole, states, row_shares=[5, 1.3, 2.9]),
+            rrb.Vertical(*plots, row_shares=[1, 1, 1, 1, 1.7]),
+            column_shares=[2, 1],
+        ),
+        rrb.TimePanel(timeline=TIMELINE, state="collapsed", play_state="playing", loop_mode="all"),
+        rrb.BlueprintPanel(state="collapsed"),
+        rrb.SelectionPanel(state="collapsed"),
+    )
+
+
+def about(result: TrialResult) -> str:
+    """The trial in words (Markdown)."""
+    trial = result.trial
+    lines = [
+        f"# {trial.experiment}, trial {trial.index}",
+        f"Seed {trial.seed}, repeat {trial.repeat}; {trial.world}, formation {trial.formation}; "
+        f"{trial.duration_s:g} s in steps of {trial.timestep_s:g} s.",
+        f"**{result.outcome}**{': ' + result.reason if result.reason else ''}",
+        "",
+    ]
+    lines += [f"- `{key}` = {value}" for key, value in trial.conditions.items()]
+    lines += [
+        f"- {group.count} x {group.name}: {group.body}, {group.sensors} laser, {group.pipeline}, {group.law}"
+        for group in trial.groups
+    ]
+    if result.measures:
+        lines += ["", "| measure | value |", "|---|---|"]
+        lines += [f"| {name} | {value:.4g} |" for name, value in result.measures.items()]
+    return "\n".join(lines)
+
+
+def _plot(name: str, contents: list[str], y_range: tuple[float, float] | None = None) -> rrb.TimeSeriesView:
+    return rrb.TimeSeriesView(
+        origin="/",
+        contents=[f"+ {path}" for path in contents],
+        name=name,
+        axis_y=rrb.ScalarAxis(range=y_range) if y_range else None,
+        plot_legend=rrb.PlotLegend(visible=len(contents) > 1 or contents[0].endswith("**")),
+    )
+
+
+def _window(seconds: float) -> rrb.VisibleTimeRanges:
+    """Shows what was logged in the last `seconds` before the time shown."""
+    return rrb.VisibleTimeRanges(
+        timeline=TIMELINE,
+        start=rrb.TimeRangeBoundary.cursor_relative(seconds=-seconds),
+        end=rrb.TimeRangeBoundary.cursor_relative(),
+    )
+
+
+def _reach(result: TrialResult) -> tuple[float, float]:
+    """Half width and height (m) of the view that follows: the usual width of the herd, within bounds."""
+    positions = result.poses_w[np.isfinite(result.poses_w).all(axis=(1, 2)), :, :2]
+    if positions.size == 0:
+        return 3.0, 1.6
+    spread = np.abs(positions - positions.mean(axis=1, keepdims=True)).max(axis=1)
+    width, height = np.median(spread, axis=0) + 0.6
+    return float(np.clip(width, 2.5, 6.0)), float(np.clip(height, 1.4, 6.0))
+
+
+def _ground(result: TrialResult) -> tuple[Floats, Floats]:
+    """Corners (2,), (2,) of where the robots went, m, with some room, and no wider than is useful."""
+    positions = result.poses_w[..., :2].reshape(-1, 2)
+    positions = positions[np.isfinite(positions).all(axis=1)]
+    if len(positions) == 0:
+        return np.array([-3.0, -2.0]), np.array([3.0, 2.0])
+    return positions.min(axis=0) - 1.0, positions.max(axis=0) + 1.0

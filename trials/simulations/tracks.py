@@ -1,0 +1,28 @@
+"""The ways of a kinematic trial's members, cut where they cross the border of a periodic world."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flocking.types import Bools, Floats, Ints
+from trials.simulations.kinematic import fields
+from trials.types import TrialResult
+
+
+def period_of(result: TrialResult) -> float | None:
+    """The side of a periodic world, m."""
+    trial = result.trial
+    return float(fields.world_of(trial).size_m) if fields.space_of(trial) == "periodic" else None
+
+
+def strips(positions: Floats, period: float | None) -> tuple[NDArray[np.float32], Ints]:
+    """The ways from moment to moment of positions (T, N, 2): strips (K, 2, 2) and how many are of each of the T − 1.
+
+    In periodic space those that cross the border are left out.
+    """
+    pairs = np.stack([positions[:-1], positions[1:]], axis=2)
+    kept: Bools = np.ones(pairs.shape[:2], dtype=np.bool_)
+    if period is not None:
+        kept &= (np.abs(pairs[:, :, 1] - pairs[:, :, 0]) < period / 2.0).all(axis=-1)
+    return pairs[kept].astype(np.float32), kept.sum(axis=1)

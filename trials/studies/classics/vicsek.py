@@ -1,0 +1,70 @@
+"""The transition of Vicsek et al. 1995 held against a run, and its curve.
+
+The publication draws curves without numbers. That the order falls from near 1 to near 0 is read as: above 0.95 at noise
+0.1 and below 0.3 at noise 5 with 400 members, the bounds that this project sets itself; the finite-size trend as: at
+noise 4 and above, each larger herd has less order than the next smaller one.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+from itertools import pairwise
+from pathlib import Path
+
+from trials.evidence.claims import Cells, Entry, Outcome, Question, Run, above, answered, arms, more, published
+from trials.reports import figures as draw
+from trials.reports.figures import Figure
+from trials.reports.ways import curve_of, curves
+
+COUNT, NOISE = "herd.count", "herd.law.noise_rad"
+KEYS = (COUNT, NOISE)
+ORDERED, DISORDERED, MARGIN = 0.95, 0.3, 0.02
+"""Choices; a difference in order counts from a margin on."""
+MEMBERS, QUIET, LOUD, LARGE_NOISE = 400, 0.1, 5.0, 4.0
+
+
+def claims(run: Run) -> list[Entry]:
+    """Two entries for each arm of the run."""
+    told, entries = published(__package__, "vicsek1995", "figure_2"), []
+    tests = (
+        (f"N {MEMBERS}: order above {ORDERED} at noise {QUIET:g} and below {DISORDERED} at noise {LOUD:g}", _falls),
+        (f"paired differences above 0, at every noise of at least {LARGE_NOISE:g} and from size to size", _sizes),
+    )
+    for arm, trials in arms(run, KEYS):
+        cells = Cells(trials, run.rows(), KEYS)
+        for number, (test, outcomes) in enumerate(tests):
+            source = f"vicsek1995 figure_2, claim {number + 1} ({told['sections'][number]})"
+            question = Question(source, "order", told["claims"][number], test, partial(outcomes, cells))
+            entries.append(answered(question, cells, arm))
+    return entries
+
+
+def _falls(cells: Cells) -> list[Outcome]:
+    quiet, loud = (cells.array("polarization", MEMBERS, noise) for noise in (QUIET, LOUD))
+    return [
+        above(f"order at noise {QUIET:g}, N {MEMBERS}", quiet, ORDERED, MARGIN),
+        above(f"1 less order at noise {LOUD:g}, N {MEMBERS}", 1.0 - loud, 1.0 - DISORDERED, MARGIN),
+    ]
+
+
+def _sizes(cells: Cells) -> list[Outcome]:
+    return [
+        more(
+            f"order, N {small} less N {large}, noise {noise:g}",
+            cells.difference("polarization", (small, noise), (large, noise)),
+            MARGIN,
+        )
+        for noise in cells.levels(NOISE)
+        if noise >= LARGE_NOISE
+        for small, large in pairwise(cells.levels(COUNT))
+    ]
+
+
+def figures(run: Run, folder: Path) -> list[Figure]:
+    """Order against noise, a line for each size."""
+    sizes = sorted({trial.conditions[COUNT] for trial in run.trials if COUNT in trial.conditions})
+    lines = [curve_of(run, "polarization", NOISE, f"N {size}", {COUNT: size}) for size in sizes]
+    canvas = curves({"order": lines}, "noise (rad)", bounds=(0.0, 1.02))
+    caption = "Mean over the repeats with its 95 % interval; density 4. As figure 2a of Vicsek et al. 1995, but that "
+    caption += "herds of thousands at little noise have not found together yet."
+    return [draw.save(canvas, folder, "order", "Order against noise", caption)]

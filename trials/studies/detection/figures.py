@@ -1,0 +1,90 @@
+"""The figures of the detection case study: which trials each shows. Fine 2015, figures 2.5 to 2.9."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from flocking.errors import InputError
+from trials.evidence.claims import Run, arms
+from trials.reports import figures as draw
+from trials.reports.figures import Figure
+from trials.studies.detection.judges import EXCLUSION, KEYS, MEMBER, PIPELINE, SENSOR
+from trials.types import Trial, TrialResult
+
+PUBLISHED = ((MEMBER, 0.0, "2.6"), (SENSOR, 0.0, "2.7"), (SENSOR, 0.5, "2.8"), (SENSOR, 1.0, "2.9"))
+"""Cells of the publication's figures of inputs."""
+
+
+def figures(run: Run, folder: Path) -> list[Figure]:
+    """Inputs over time, trajectories and formations of the run's first arm, written to `folder`/figures."""
+    trials = arms(run, KEYS)[0][1]
+    done = {row.index for row in run.rows() if row.status == "done"}
+    kept: dict[int, TrialResult | None] = {}
+
+    def result(trial: Trial | None) -> TrialResult | None:
+        if trial is None or trial.index not in done:
+            return None
+        if trial.index not in kept:
+            try:
+                kept[trial.index] = run.series(trial.index)
+            except InputError:  # its file is lost: the figure says that there is none
+                kept[trial.index] = None
+        return kept[trial.index]
+
+    def find(**wanted: Any) -> Trial | None:
+        """The first trial (a finished one if there is any) of a cell, repeat or formation."""
+        cell = {PIPELINE: wanted.get("pipeline"), EXCLUSION: wanted.get("exclusion")}
+        fitting = [
+            trial
+            for trial in trials
+            if all(trial.conditions.get(key) == value for key, value in cell.items())
+            and wanted.get("repeat") in (None, trial.repeat)
+            and wanted.get("formation") in (None, trial.formation)
+        ]
+        return next((trial for trial in fitting if trial.index in done), fitting[0] if fitting else None)
+
+    repeat = min((trial.repeat for trial in trials), default=1)
+    inputs = [
+        (f"{pipeline}, exclusion {at:g} m (figure {number})", result(find(pipeline=pipeline, exclusion=at)))
+        for pipeline, at, number in PUBLISHED
+    ]
+    cells = list(dict.fromkeys((trial.conditions.get(PIPELINE), trial.conditions.get(EXCLUSION)) for trial in trials))
+    ways = [
+        (_cell_name(pipeline, at), result(find(pipeline=pipeline, exclusion=at, repeat=repeat)))
+        for pipeline, at in cells
+    ]
+    if not any(panel for _, panel in inputs):  # another law or detection: none of the publication's cells
+        inputs = ways
+    rows = []
+    for formation in dict.fromkeys(trial.formation for trial in trials):
+        shown = [(p, at, result(find(pipeline=p, exclusion=at, formation=formation))) for p, at, _ in PUBLISHED]
+        first = next((r for *_, r in shown if r is not None), None)
+        ends = [(f"end\n{p}, {at:g} m", r, 1.0) for p, at, r in shown]
+        rows.append((formation, [("start", first, 0.0), *ends]))
+    found = [
+        draw.save(
+            draw.inputs_over_time(inputs),
+            folder,
+            "inputs",
+            "Inputs' distances over time",
+            "One dot an input given to the law, one colour a robot, black: belongs to nobody. "
+            "As figures 2.6 to 2.9 of Fine 2015; one trial each.",
+            dots=True,
+        ),
+        draw.save(
+            draw.trajectories(ways),
+            folder,
+            "trajectories",
+            "Trajectories",
+            f"All cells of repeat {repeat}: same start and noise. A dot where each robot ends.",
+        ),
+    ]
+    if rows:
+        caption = "Each starting formation, and where it ends in the cells of figures 2.6 to 2.9. Discs are to scale."
+        found.append(draw.save(draw.formations(rows), folder, "formations", "Formations", caption))
+    return found
+
+
+def _cell_name(pipeline: Any, at: Any) -> str:
+    return ", ".join([*([str(pipeline)] if pipeline else []), *([f"{at:g} m"] if at is not None else [])]) or "all"

@@ -1,0 +1,125 @@
+"""Which laws are information-abstracted, by a run of `information-abstraction`.
+
+A law keeps flocking with less information if, in every measure it is judged by, its herd is equivalent to itself with
+perfect poses (two one-sided tests) and better than random motion; one that is not better than random motion with
+perfect poses does not flock in this herd, and has nothing to lose. Fine 2015, section 4, calls a law
+information-abstracted if what it is told changes nothing; it claims so of the four LCH variations.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from trials.evidence.claims import Cells, Entry, Run, UndecidedError, arms, undecided
+from trials.studies.information import law_survey
+from trials.studies.information.abstraction_design import (
+    ALL_TOLD,
+    KEYS,
+    LCH,
+    LENGTH,
+    Told,
+    cell,
+    law_of,
+    permits,
+    rule_of,
+)
+from trials.studies.information.law_judges import IN_WORDS, Cell, alike, better, both, verdict
+from trials.studies.information.law_survey import LAW
+
+SOURCE = "fine2015, section 4"
+WORDS = "information-abstracted: its behaviour does not depend on the type and detail of what it is told"
+LEFT_OPEN = "whether it is information-abstracted: left open"
+TEST = (
+    "in each of the conditions every measure equivalent to perfect poses (two one-sided tests, paired) and better than "
+    f"random motion (t test, paired); the number is the share of conditions for which that is shown; {IN_WORDS}"
+)
+
+
+class Kept(NamedTuple):
+    """What became of a law in one condition."""
+
+    told: Told
+    agrees: bool | None
+    as_before: bool | None
+    """Equivalent to perfect poses."""
+    flocks: bool | None
+    """Better than random motion."""
+
+
+def claims(run: Run) -> list[Entry]:
+    """An entry for each rule, for each arm of the run."""
+    entries = []
+    for arm, trials in arms(run, KEYS):
+        cells = Cells(trials, run.rows(), KEYS)
+        entries += [_entry(cells, rule, arm) for rule in rules_of(cells)]
+    return entries
+
+
+def rules_of(cells: Cells) -> list[str]:
+    """The rules of a run, without their controls."""
+    return list(dict.fromkeys(rule_of(law) for law in cells.levels(LAW) if law != law_survey.CONTROL))
+
+
+def kept(cells: Cells, rule: str) -> list[Kept]:
+    """What becomes of a rule in each condition that the run has of it. Raises `UndecidedError`."""
+    law, best, control = law_of(rule), cell_of(rule, ALL_TOLD[0]), control_of(rule)
+    spacing_m, found = law_survey.herd_of(law).spacing_m, []
+    for told in told_of(cells, rule):
+        here = cell_of(rule, told)
+        as_before = verdict(alike(cells, law_survey.judged_by(law), here, best, spacing_m))
+        flocks = verdict(better(cells, law_survey.told_apart_by(law), here, control, spacing_m))
+        found.append(Kept(told, both(as_before, flocks), as_before, flocks))
+    return found
+
+
+def told_of(cells: Cells, rule: str) -> list[Told]:
+    """The conditions of a rule that the run has."""
+    planned = {tuple(trial.conditions.get(key) for key in KEYS) for trial in cells.trials}
+    return [
+        told for told in ALL_TOLD if permits(rule, told.information, told.detail) and cell_of(rule, told) in planned
+    ]
+
+
+def cell_of(rule: str, told: Told) -> Cell:
+    """The values of `KEYS` of a rule's cell."""
+    values = cell(rule, told)
+    return tuple(values.get(key) for key in KEYS)
+
+
+def control_of(rule: str) -> Cell:
+    """Likewise of its control."""
+    values = law_survey.control(law_of(rule), LENGTH)
+    return tuple(values.get(key) for key in KEYS)
+
+
+def _entry(cells: Cells, rule: str, arm: dict[str, object]) -> Entry:
+    measures = " and ".join(law_survey.judged_by(law_of(rule)))
+    quantity = f"{rule}, by {measures}"
+    words = WORDS if rule == LCH else LEFT_OPEN
+    cells.begin()
+    try:
+        found = kept(cells, rule)
+    except UndecidedError as why:
+        return undecided(SOURCE, quantity, words, str(why), arm)
+    first, less = found[0], found[1:]
+    if not less:
+        return undecided(SOURCE, quantity, words, "the run takes no information away", arm)
+    share = sum(one.agrees is True for one in less) / len(less)
+    if first.flocks is not True:
+        told = "with perfect poses it is not shown to be better than random motion in this herd"
+        return undecided(SOURCE, quantity, words, told, arm)
+    return Entry(
+        source=SOURCE,
+        quantity=f"{quantity}: shown in {sum(one.agrees is True for one in less)} of {len(less)} conditions, "
+        f"lost in {sum(one.agrees is False for one in less)}",
+        published=words,
+        measured=share,
+        low=math.nan,
+        high=math.nan,
+        n=len(cells.values(law_survey.ORDER, *cell_of(rule, ALL_TOLD[0]))),
+        agrees=both(*(one.agrees for one in less)),
+        test=TEST,
+        margin=math.nan,
+        arm=arm,
+    )

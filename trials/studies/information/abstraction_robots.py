@@ -1,0 +1,137 @@
+"""Information abstraction on Creates: the cells, the claims and the map of `information-abstraction-robots`.
+
+Judged as in the kinematic herd. The four LCH variations are told different things of the same rule: all are held
+against the member-centric one with poses from global knowledge; any other law against itself with that knowledge.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from trials.evidence.claims import Cells, Entry, Run, UndecidedError, arms, undecided
+from trials.reports import figures as draw
+from trials.reports.figures import Figure
+from trials.reports.verdict_maps import Square, verdict_map
+from trials.studies.crowded_horizon.figures import VARIATIONS
+from trials.studies.information.law_judges import IN_WORDS, Cell, alike, better, both, mean_of, verdict
+from trials.studies.information.law_survey import CONTROL, LAW, judged_by, told_apart_by
+from trials.types import Value
+from worlds.formations import SPACING
+
+DETAIL, DETECTION = "herd.selection", "herd.pipeline"
+KEYS = (LAW, DETAIL, DETECTION)
+DETECTIONS = PERFECT, *_ = ("perfect", "member-based", "member-extrapolated", "sensor-based")
+MEMBER_CENTRIC, GROUP_CENTRIC = "all", f"densest-distance({SPACING:g})"
+LAWS = (*VARIATIONS, "extended-hamilton", "snn", "couzin")
+SOURCE = "fine2015, section 4"
+WORDS = "what members are told does not change what the group does"
+TEST = (
+    "in each condition every measure equivalent to the same rule with poses from global knowledge (two one-sided "
+    "tests, paired) and better than random motion (t test, paired); the number is the share for which that is shown; "
+    f"{IN_WORDS}"
+)
+
+
+def cells(conditions: Mapping[str, Sequence[Any]]) -> list[dict[str, Value]]:
+    """Of each law what it is asked, and the control."""
+    found: list[dict[str, Value]] = [
+        {LAW: law, DETAIL: detail, DETECTION: detection}
+        for law in conditions[LAW]
+        for detail in conditions[DETAIL]
+        if detail == MEMBER_CENTRIC or law not in VARIATIONS
+        for detection in conditions[DETECTION]
+    ]
+    return [*found, {LAW: CONTROL, DETAIL: MEMBER_CENTRIC, DETECTION: PERFECT}]
+
+
+def best_of(law: str) -> Cell:
+    """The cell that a law is held against."""
+    return "lch-member-pose" if law in VARIATIONS else law, MEMBER_CENTRIC, PERFECT
+
+
+def kept(cells: Cells, cell: Cell) -> bool | None:
+    """Whether a law does as it does at its best, and better than random motion. Raises `UndecidedError`."""
+    law = str(cell[0])
+    as_before = verdict(alike(cells, judged_by(law), cell, best_of(law), SPACING))
+    return both(as_before, flocks(cells, cell))
+
+
+def flocks(cells: Cells, cell: Cell) -> bool | None:
+    """Whether it does better than random motion. Raises `UndecidedError`."""
+    measures = told_apart_by(str(cell[0]))
+    return verdict(better(cells, measures, cell, (CONTROL, MEMBER_CENTRIC, PERFECT), SPACING))
+
+
+def asked_of(cells: Cells) -> dict[str, list[Cell]]:
+    """The cells of each law in the run, in order."""
+    found: dict[str, list[Cell]] = {}
+    for trial in cells.trials:
+        cell = tuple(trial.conditions.get(key) for key in KEYS)
+        if cell[0] != CONTROL and cell not in found.setdefault(str(cell[0]), []):
+            found[str(cell[0])].append(cell)
+    return found
+
+
+def claims(run: Run) -> list[Entry]:
+    """An entry for each law, for each arm of the run."""
+    entries = []
+    for arm, trials in arms(run, KEYS):
+        cells = Cells(trials, run.rows(), KEYS)
+        entries += [_entry(cells, law, asked, arm) for law, asked in asked_of(cells).items()]
+    return entries
+
+
+def figures(run: Run, folder: Path) -> list[Figure]:
+    """The map of the run's first arm."""
+    _, trials = arms(run, KEYS)[0]
+    cells = Cells(trials, run.rows(), KEYS)
+    columns = [(detail, detection) for detail in (MEMBER_CENTRIC, GROUP_CENTRIC) for detection in DETECTIONS]
+    rows = {
+        law: [_square(cells, (law, *column)) if (law, *column) in asked else None for column in columns]
+        for law, asked in asked_of(cells).items()
+    }
+    names = [f"{'members' if detail == MEMBER_CENTRIC else 'group'}, {detection}" for detail, detection in columns]
+    key = "numbers: what the law is judged by (largest group's share; MMD in metres, or polarization)"
+    caption = (
+        "Green: shown to do as the same rule with poses from global knowledge, and better than random motion; red: "
+        "shown not to; grey: neither; white: not asked of this law."
+    )
+    title = "Who keeps flocking on Creates as information is taken away"
+    return [draw.save(verdict_map(rows, names, key), folder, "information", title, caption)]
+
+
+def _square(cells: Cells, cell: Cell) -> Square:
+    law = str(cell[0])
+    try:
+        agrees = flocks(cells, cell) if cell == best_of(law) else kept(cells, cell)
+    except UndecidedError:
+        agrees = None
+    return Square(agrees, " ".join(f"{mean_of(cells, measure, cell):.2f}" for measure in judged_by(law)))
+
+
+def _entry(cells: Cells, law: str, asked: Sequence[Cell], arm: dict[str, Any]) -> Entry:
+    cells.begin()
+    less = [cell for cell in asked if cell != best_of(law)]
+    try:
+        found = [kept(cells, cell) for cell in less]
+        count = len(cells.values("mmd", *best_of(law)))
+    except UndecidedError as why:
+        return undecided(SOURCE, law, WORDS, str(why), arm)
+    if not found:
+        return undecided(SOURCE, law, WORDS, "the run takes no information away", arm)
+    return Entry(
+        source=SOURCE,
+        quantity=f"{law}: shown in {found.count(True)} of {len(found)} conditions, lost in {found.count(False)}",
+        published=WORDS if law in VARIATIONS else f"{WORDS}: left open",
+        measured=found.count(True) / len(found),
+        low=math.nan,
+        high=math.nan,
+        n=count,
+        agrees=both(*found),
+        test=TEST,
+        margin=math.nan,
+        arm=arm,
+    )

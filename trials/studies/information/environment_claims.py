@@ -1,0 +1,142 @@
+"""What each law loses in a run of `environment-and-synchrony`, and whether contact alone makes a flock.
+
+A law loses in a measure where its herd does less well than itself in free space and in step, by more than a margin
+(the 95 % interval of the paired differences lies below it); it keeps what it is shown not to lose. The published words
+say that nobody has looked (section 3.5.2), that asynchronism can do harm (there, after Samiloglu et al. 2006), and ask
+whether contact alone can make a flock (section 3.6.1).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from trials.evidence import statistics
+from trials.evidence.claims import Cells, Entry, Outcome, Run, UndecidedError, above, arms, undecided
+from trials.studies.information import law_survey
+from trials.studies.information.environment_design import (
+    BUMPER,
+    KEYS,
+    SETTINGS,
+    Setting,
+    bumper_cell,
+    bumper_control,
+    cell,
+)
+from trials.studies.information.law_judges import IN_WORDS, MARGINS, WORDS, Cell, both, gain, no_worse, verdict
+from trials.studies.information.law_survey import CONTROL, LAW, ORDER, SHARE, SPREAD
+
+MEASURES = (SHARE, ORDER, SPREAD)
+FLOCKING = (SHARE, ORDER)
+"""Of these either would do for contact to have made a flock."""
+KEEPS = "what the environment and asynchrony do to it: not investigated"
+CONTACT = "whether flocking can come of nothing but direct contact"
+TEST = (
+    "in each setting no measure worse by its margin than in free space and in step (t tests, paired); the number is "
+    f"the share of settings for which that is shown; {IN_WORDS}"
+)
+
+
+def claims(run: Run) -> list[Entry]:
+    """An entry for each law, and one for the law that feels its way, for each arm of the run."""
+    entries = []
+    for arm, trials in arms(run, KEYS):
+        cells = Cells(trials, run.rows(), KEYS)
+        entries += [_entry(cells, law, arm) for law in laws_of(cells)]
+        if BUMPER in cells.levels(LAW):
+            entries.append(_contact(cells, arm))
+    return entries
+
+
+def laws_of(cells: Cells) -> list[str]:
+    """The laws of a run that see one another."""
+    return [law for law in cells.levels(LAW) if law not in (CONTROL, BUMPER)]
+
+
+def settings_of(cells: Cells, law: str) -> list[Setting]:
+    """The settings of a law that the run has."""
+    planned = {tuple(trial.conditions.get(key) for key in KEYS) for trial in cells.trials}
+    return [setting for setting in SETTINGS if cell_of(law, setting) in planned]
+
+
+def cell_of(law: str, setting: Setting) -> Cell:
+    """The values of `KEYS` of a law's cell."""
+    values = bumper_cell(setting) if law == BUMPER else cell(law, setting)
+    return tuple(values.get(key) for key in KEYS)
+
+
+def control_of(setting: Setting) -> Cell:
+    """Likewise of the bumper's control."""
+    values = bumper_control(setting)
+    return tuple(values.get(key) for key in KEYS)
+
+
+def losses(cells: Cells, law: str, setting: Setting) -> list[Outcome]:
+    """That nothing is lost, measure by measure. Raises `UndecidedError`."""
+    spacing_m = law_survey.herd_of(law).spacing_m
+    return no_worse(cells, MEASURES, cell_of(law, setting), cell_of(law, SETTINGS[0]), spacing_m)
+
+
+def _entry(cells: Cells, law: str, arm: dict[str, object]) -> Entry:
+    source = "fine2015, sections 3.5.2 and 9.1.1"
+    others: Sequence[Setting] = settings_of(cells, law)[1:]
+    cells.begin()
+    try:
+        kept = [verdict(losses(cells, law, setting)) for setting in others]
+        count = len(cells.values(ORDER, *cell_of(law, SETTINGS[0])))
+    except UndecidedError as why:
+        return undecided(source, law, KEEPS, str(why), arm)
+    if not kept:
+        return undecided(source, law, KEEPS, "the run has no other setting", arm)
+    return Entry(
+        source=source,
+        quantity=f"{law}: shown to lose nothing in {kept.count(True)} of {len(kept)} settings, to lose something in "
+        f"{kept.count(False)}",
+        published=KEEPS,
+        measured=kept.count(True) / len(kept),
+        low=math.nan,
+        high=math.nan,
+        n=count,
+        agrees=both(*kept),
+        test=TEST,
+        margin=math.nan,
+        arm=arm,
+    )
+
+
+def contact(cells: Cells, settings: Sequence[Setting]) -> list[Outcome]:
+    """That the bumper's law flocks more than its control by a margin, setting by setting. Raises `UndecidedError`."""
+    spacing_m, found = law_survey.herd_of(BUMPER).spacing_m, []
+    for setting in settings:
+        for name in MEASURES:
+            values = gain(cells, name, cell_of(BUMPER, setting), control_of(setting), spacing_m)
+            label = f"{setting.words()}: {WORDS[name]}, less random motion"
+            found.append(above(label, values, MARGINS[name], MARGINS[name], decides=name in FLOCKING))
+    return found
+
+
+def _contact(cells: Cells, arm: dict[str, object]) -> Entry:
+    source, quantity = "fine2015, section 3.6.1", f"{BUMPER} less random motion"
+    cells.begin()
+    try:
+        outcomes = contact(cells, settings_of(cells, BUMPER))
+    except UndecidedError as why:
+        return undecided(source, quantity, CONTACT, str(why), arm)
+    deciding = [outcome for outcome in outcomes if outcome.decides]
+    shown = min(deciding, key=lambda outcome: outcome.decision.p_holds)
+    return Entry(
+        source=source,
+        quantity=f"{quantity}: {shown.label}",
+        published=CONTACT,
+        measured=shown.decision.measured,
+        low=shown.decision.low,
+        high=shown.decision.high,
+        n=shown.decision.n,
+        agrees=statistics.some_hold([[outcome.decision] for outcome in deciding]),
+        test="in some setting the largest group's share or the polarization is above that of random motion of the same "
+        "body by a margin (t tests, paired; Holm)",
+        margin=shown.margin,
+        effect=shown.decision.effect,
+        arm=arm,
+        outcomes=tuple(outcomes),
+    )

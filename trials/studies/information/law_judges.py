@@ -1,0 +1,71 @@
+"""Whether a law's herd still flocks in one condition: against itself in the best one, and against random motion.
+
+The margins are choices: 0.15 of the largest group's share or of polarization; of MMD, a quarter of the spacing at the
+herd's start. All tests are on differences of trials of one repeat, which share their start; every one must hold.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from flocking.types import Floats
+from trials.evidence import statistics
+from trials.evidence.claims import Cells, Outcome, UndecidedError, above, more, same
+from trials.studies.information.law_survey import ORDER, SHARE, SPREAD
+
+MARGINS = {SHARE: 0.15, ORDER: 0.15, SPREAD: 0.25}
+IN_WORDS = (
+    f"margins: {MARGINS[SHARE]:g} of the share, {MARGINS[ORDER]:g} of the polarization, {MARGINS[SPREAD]:g} spacings "
+    "of the MMD"
+)
+WORDS = {SHARE: "largest group's share", ORDER: "polarization", SPREAD: "MMD in spacings, taken off"}
+Cell = tuple[object, ...]
+
+
+def gain(cells: Cells, measure: str, cell: Cell, other: Cell, spacing_m: float) -> Floats:
+    """(n,) by how much a herd flocks more in one cell than in the other: a smaller MMD is more, and is in spacings."""
+    difference = cells.difference(measure, cell, other)
+    return -difference / spacing_m if measure == SPREAD else difference
+
+
+def alike(cells: Cells, measures: Sequence[str], cell: Cell, best: Cell, spacing_m: float) -> list[Outcome]:
+    """That a herd flocks as much in one cell as in the best one, neither less nor more."""
+    return [same(WORDS[name], gain(cells, name, cell, best, spacing_m), MARGINS[name]) for name in measures]
+
+
+def no_worse(cells: Cells, measures: Sequence[str], cell: Cell, best: Cell, spacing_m: float) -> list[Outcome]:
+    """That a herd does not flock less than in the best cell by as much as a margin."""
+    return [
+        above(WORDS[name], gain(cells, name, cell, best, spacing_m), -MARGINS[name], MARGINS[name]) for name in measures
+    ]
+
+
+def better(cells: Cells, measures: Sequence[str], cell: Cell, control: Cell, spacing_m: float) -> list[Outcome]:
+    """That a herd flocks more than its control."""
+    return [
+        more(f"{WORDS[name]}, against random motion", gain(cells, name, cell, control, spacing_m), 0.0)
+        for name in measures
+    ]
+
+
+def verdict(outcomes: Sequence[Outcome]) -> bool | None:
+    """Of all outcomes, each of which must hold."""
+    return statistics.all_hold([outcome.decision for outcome in outcomes])
+
+
+def both(*verdicts: bool | None) -> bool | None:
+    """Of several claims at once."""
+    return False if False in verdicts else None if None in verdicts else True
+
+
+def mean_of(cells: Cells, measure: str, cell: Cell) -> float:
+    """Mean over the repeats; nan where there is none."""
+    try:
+        values = cells.array(measure, *cell)
+    except UndecidedError:
+        return math.nan
+    finite = values[np.isfinite(values)]
+    return float(finite.mean()) if len(finite) else math.nan
