@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -106,6 +106,13 @@ class Trial:
         fields = dict(data)
         fields["groups"] = tuple(Group(**group) for group in fields["groups"])
         return Trial(**fields)
+
+
+class Measure(NamedTuple):
+    """Unit and meaning of one measure."""
+
+    unit: str
+    text: str
 
 
 @dataclass(frozen=True)

@@ -11,8 +11,7 @@ import numpy as np
 from flocking.types import Floats
 from trials.evidence.claims import Run
 from trials.evidence.statistics import mean_interval
-from trials.simulations import is_kinematic
-from trials.simulations.about import about
+from trials.simulations import is_kinematic, measures_of
 
 PHYSICAL_MEASURES = (
     "acts_as_snn_share",
@@ -57,7 +56,7 @@ class Mean(NamedTuple):
 
 def cells(run: Run) -> list[Cell]:
     """The cells of a run in the order of its trials, unfinished ones too."""
-    rows, known = {row.index: row for row in run.rows()}, about(run.trials)
+    rows, known = {row.index: row for row in run.rows()}, measures_of(run.trials)
     groups: dict[tuple[tuple[str, Any], ...], list[int]] = {}
     for trial in run.trials:
         groups.setdefault(tuple(trial.conditions.items()), []).append(trial.index)

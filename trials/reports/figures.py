@@ -14,8 +14,7 @@ import numpy as np
 
 from trials.evidence.claims import Entry
 from trials.evidence.summary import Cell, mean, named
-from trials.simulations.about import Measure
-from trials.types import TrialResult
+from trials.types import Measure, TrialResult
 
 Canvas = Any
 """A matplotlib.figure.Figure."""

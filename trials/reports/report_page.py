@@ -19,7 +19,8 @@ from trials.evidence.summary import Cell, cells, key_measures, mean, named
 from trials.reports import figures as draw
 from trials.reports.figures import Figure
 from trials.reports.report import VERDICTS, arms_of, counted, shown_interval, shown_number, verdicts
-from trials.simulations.about import Measure, about
+from trials.simulations import measures_of
+from trials.types import Measure
 
 PAGE = "report.html"
 CLASSES = {True: "holds", False: "fails", None: "open"}
@@ -47,7 +48,7 @@ def write(
             )
     for figure in _figures(store, module, folder, found):
         parts.append(f"<h2>{escape(figure.title)}</h2>{_figure(figure)}")
-    parts.append(f"<h2>All measures by cell</h2>{_measures(found, about(store.trials))}")
+    parts.append(f"<h2>All measures by cell</h2>{_measures(found, measures_of(store.trials))}")
     parts.append(_failures(store))
     text = resources.files("trials.reports").joinpath("report.html").read_text(encoding="utf-8")
     title = f"{run['experiment']}: {folder.name}"
@@ -67,7 +68,7 @@ def _figures(store: Any, module: Any, folder: Path, found: Sequence[Cell]) -> li
             print(f"herd: the figures could not be drawn: {one_line(str(error))}", file=sys.stderr)
     names = [name for name in key_measures(store, module) if any(name in cell.measures for cell in found)]
     if names:
-        canvas = draw.measures_by_cell(found, names, about(store.trials))
+        canvas = draw.measures_by_cell(found, names, measures_of(store.trials))
         caption = "Mean over the repeats with its 95 % interval."
         own = [*own, draw.save(canvas, folder, "measures", "Measures by cell", caption)]
     return own

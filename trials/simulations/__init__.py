@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from flocking.parameters import Parameter
-from trials.types import Trial, TrialResult
+from trials.types import Measure, Trial, TrialResult
 
 if TYPE_CHECKING:
     from trials.rows import Row
@@ -74,6 +74,18 @@ def run_trial(trial: Trial, scans: str = "none", reraise: bool = False) -> Trial
     from trials.simulations.robots import loop as physical
 
     return physical.run_trial(trial, scans, reraise)
+
+
+def measures_of(trials: Sequence[Trial]) -> dict[str, Measure]:
+    """The measures of trials of one kind, in the order in which they are shown."""
+    if trials and is_kinematic(trials[0]):
+        from trials.simulations.kinematic.links import ABOUT as LINKS
+        from trials.simulations.kinematic.measures import ABOUT as KINEMATIC
+
+        return KINEMATIC | LINKS
+    from trials.simulations.robots.measures import ABOUT as PHYSICAL
+
+    return PHYSICAL
 
 
 def record(result: TrialResult, path: Path) -> None:

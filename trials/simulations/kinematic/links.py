@@ -20,7 +20,7 @@ from flocking.measures.links import Outcomes, link_lengths, link_tension, links_
 from flocking.measures.space import shortest
 from flocking.parameters import Parameter
 from flocking.types import Floats, Ints
-from trials.simulations.about import Measure
+from trials.types import Measure
 
 SOURCE = "Akama and Naruse 2014"
 STARTS = (0, 1)

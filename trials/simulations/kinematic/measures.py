@@ -12,9 +12,8 @@ import numpy as np
 
 from flocking.measures import formation, groups, hull, space
 from flocking.types import Floats
-from trials.simulations.about import Measure
 from trials.simulations.kinematic.herd import Herd
-from trials.types import TrialResult
+from trials.types import Measure, TrialResult
 
 MOST_MEASURED = 200
 """Moments that enter a mean over the last part of a trial, at most, evenly picked."""

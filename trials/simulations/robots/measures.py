@@ -15,9 +15,8 @@ from flocking.measures import formation
 from flocking.measures.groups import largest_share
 from flocking.types import Bools, Floats, Ints, Kind
 from sensing.truth import DETECTED, MISSED
-from trials.simulations.about import Measure
 from trials.simulations.robots.measures_following import following
-from trials.types import TrialResult, Updates
+from trials.types import Measure, TrialResult, Updates
 
 NEAREST_BOUND = math.radians(15.0)
 """A way-point within this angle of the nearest input points at it. Choice (grade D): a Create's half-width,
