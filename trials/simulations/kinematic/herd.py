@@ -18,6 +18,7 @@ from flocking.lawentry import OF_MEMBERS
 from flocking.perception import Step
 from flocking.types import Bools, Floats, Ints
 from trials.simulations import spread
+from trials.simulations.groups import check_names
 from trials.simulations.kinematic import fields, formations, lattice_starts
 from trials.streams import Purpose, stream
 from trials.types import Group, Trial
@@ -63,6 +64,7 @@ def check(trial: Trial) -> None:
     """Refuses a trial whose names and numbers do not fit one another, without compiling anything: `InputError`."""
     if not trial.groups:
         raise InputError("the trial has no members: expected a group")
+    check_names(trial)
     for name, value, valid in (
         ("world", trial.world, fields.SPACES),
         ("formation", trial.formation, fields.FORMATIONS),
@@ -71,7 +73,7 @@ def check(trial: Trial) -> None:
             raise unknown_name(name, value, valid)
     given = fields.of_trial(trial)
     count = sum(group.count for group in trial.groups)
-    every = 1 if trial.links else given.every
+    every = 1 if fields.links_of(trial) else given.every
     if given.every > given.steps:
         raise InputError(
             f"steps = {given.steps}: expected at least every = {given.every}, after which the first moment is kept; "

@@ -17,7 +17,7 @@ from trials.streams import Purpose, stream
 from trials.types import Contacts, Trial, TrialResult, Updates
 
 
-def run_trial(trial: Trial, reraise: bool = False) -> TrialResult:
+def run_trial(trial: Trial, scans: str = "none", reraise: bool = False) -> TrialResult:
     """Runs one trial and measures it; the same `Trial` gives the same result.
 
     A law that gives what it must not ends the trial: `outcome` is then `failed`, `reason` says why, and only the start
@@ -29,7 +29,7 @@ def run_trial(trial: Trial, reraise: bool = False) -> TrialResult:
     times, poses_w, outcome, reason = np.zeros(1), herd.poses_w[None], "done", ""
     counted: dict[str, float] = {}
     try:
-        history = simulated(trial, herd, 1 if trial.links else herd.fields.every)
+        history = simulated(trial, herd, 1 if fields.links_of(trial) else herd.fields.every)
         times, poses_w = history.times, history.poses_w
     except LawFailedError as error:
         if reraise:

@@ -6,6 +6,7 @@ import dataclasses
 import math
 from dataclasses import dataclass
 from functools import cache
+from types import ModuleType
 from typing import NamedTuple
 
 import mujoco
@@ -21,17 +22,27 @@ from sensing import association
 from sensing.laser import hokuyo
 from sensing.types import PipelineState, WorldTruth
 from trials.simulations import spread
+from trials.simulations.groups import check_names
 from trials.simulations.robots import information
+from trials.simulations.robots.fields import (
+    BODIES,
+    GroupFields,
+    TrialFields,
+    association_of,
+    laser_of,
+    of_group,
+    of_trial,
+    pipeline_of,
+    world_of,
+)
 from trials.simulations.robots.knowledge import Knowledge
 from trials.simulations.robots.log import SAMPLE_S
 from trials.simulations.robots.obstacle_stage import ObstacleStage
 from trials.simulations.robots.robot import Robot
+from trials.simulations.robots.starts import check_starts, starting_poses
 from trials.streams import Purpose, stream
 from trials.types import Group, Trial
-from worlds import formations
 from worlds.assemble import World, build, prefix
-
-LAW, PIPELINE, BODY, WORLD = "flocking.laws", "sensing.pipelines", "robots", "worlds"
 
 
 @dataclass
@@ -70,29 +81,22 @@ def assemble(trial: Trial, record: bool) -> Herd:
         raise InputError("the trial has no robots: expected a count of at least 1 in some group")
     names = [f"{trial.groups[g].name}-{k + 1}" for g, k in numbers]
     check(trial)
-    start = stream(trial.seed, trial.repeat, 0, 0, Purpose.START)
-    poses_w = formations.poses(trial.formation, len(groups), start)
-    world = build(
-        trial.world,
-        trial.world_parameters,
-        [group.body for group in groups],
-        names,
-        poses_w,
-        trial.timestep_s,
-    )
-    pipelines = [found.load(PIPELINE, group.pipeline, "pipeline") for group in groups]
-    reads = [frozenset(pipeline.READS) for pipeline in pipelines]
+    minds = [_mind(group) for group in trial.groups]
+    timestep = of_trial(trial).timestep_s
+    poses_w = starting_poses(trial)
+    bodies = [minds[g].given.body for g, _ in numbers]
+    world = build(trial.world, trial.world_parameters, bodies, names, poses_w, timestep)
+    reads = [frozenset(minds[g].pipeline.READS) for g, _ in numbers]
     lasers = None
     if record or any("truth" not in r for r in reads):
         lasers = hokuyo.Lasers(
             world.model,
             [f"{prefix(name)}laser" for name in names],
             [int(root) for root in world.fleet.root_bodies],
-            [laser_parameters(group) for group in groups],
+            [laser_of(group) for group in groups],
         )
         if lasers.needs_history:
             world.observers.append(lasers.remember)
-    minds = [_mind(group) for group in trial.groups]
     robots = [
         _robot(trial, world, lasers, minds[g], g, k, index, reads[index], poses_w[index])
         for index, (g, k) in enumerate(numbers)
@@ -103,20 +107,9 @@ def assemble(trial: Trial, record: bool) -> Herd:
         robots=robots,
         radii=np.full(len(groups), model.RADIUS),
         silhouettes=np.full(len(groups), model.SILHOUETTE_RADIUS),
-        timestep=trial.timestep_s,
+        timestep=timestep,
         needs_truth=frozenset(i for i, r in enumerate(reads) if "truth" in r),
     )
-
-
-def laser_parameters(group: Group) -> hokuyo.Parameters:
-    """The laser's parameters: the named setting with the group's own values in place."""
-    if group.sensors not in hokuyo.SETTINGS:
-        from flocking.errors import unknown_name
-
-        raise unknown_name("sensor setting", group.sensors, hokuyo.SETTINGS)
-    setting = hokuyo.SETTINGS[group.sensors]
-    changed = filled(hokuyo.Parameters, group.sensor_parameters, prefix=f"{group.name}.sensors.")
-    return setting._replace(**{name: getattr(changed, name) for name in group.sensor_parameters})
 
 
 def ticks(seconds: float, timestep: float, what: str, at_least: int) -> int:
@@ -134,6 +127,8 @@ class Mind(NamedTuple):
     """What the robots of a group share."""
 
     group: Group
+    given: GroupFields
+    pipeline: ModuleType
     law: lawentry.Law
     law_parameters: Floats
     selections: list[list[Chosen]]
@@ -146,11 +141,13 @@ def _mind(group: Group) -> Mind:
     wanted = information.wanted(group)
     return Mind(
         group,
+        of_group(group),
+        pipeline_of(group),
         lawentry.load(group.law, group.law_source),
         np.array(information.parameters_of(group), dtype=np.float64),
         information.selections(group),
         wanted,
-        filled(association.Parameters, group.association_parameters, prefix=f"{group.name}.association."),
+        association_of(group),
         ObstacleStage(group, wanted.needs),
     )
 
@@ -169,28 +166,27 @@ def _robot(
     def draw(purpose: Purpose) -> np.random.Generator:
         return stream(trial.seed, trial.repeat, group_number + 1, member, purpose)
 
-    group, law, wanted = mind.group, mind.law, mind.wanted
+    group, given, law, wanted = mind.group, mind.given, mind.law, mind.wanted
     law_parameters, selections = mind.law_parameters, mind.selections
     if group.spread:
         usual = information.parameters_of(group)._asdict()
         own = dataclasses.replace(group, law_parameters=spread.parameters(trial, group_number, member, usual))
         law_parameters = np.array(information.parameters_of(own), dtype=np.float64)
         selections = information.selections(own)
-    period, latency = clock(group, trial.timestep_s)
-    phase = int(draw(Purpose.PHASE).random() * period) if group.phase == "random" else 0
-    pipeline = found.load(PIPELINE, group.pipeline, "pipeline")
-    informed = member < group.informed
-    first = (group.speed_m_s, 0.0) if group.start_moving else (0.0, 0.0)
+    period, latency = clock(group.name, given, of_trial(trial).timestep_s)
+    phase = int(draw(Purpose.PHASE).random() * period) if given.phase == "random" else 0
+    informed = member < given.informed
+    first = (given.speed_m_s, 0.0) if given.start_moving else (0.0, 0.0)
     world.fleet.command(index, *first)
     return Robot(
         index=index,
         name=f"{group.name}-{member + 1}",
-        group=group,
+        cruise_m_s=given.speed_m_s,
         period=period,
         latency=latency,
         next_tick=phase,
-        pipeline=pipeline,
-        pipeline_state=_pipeline_state(group),
+        pipeline=mind.pipeline,
+        pipeline_state=_pipeline_state(mind),
         selections=selections,
         law=law,
         law_parameters=law_parameters,
@@ -203,53 +199,64 @@ def _robot(
         knowledge=Knowledge(
             world.fleet,
             index,
-            group.own_motion,
+            given.own_motion,
             start_w,
-            np.array([group.goal_x_m, group.goal_y_m]) if informed else None,
+            np.array([given.goal_x_m, given.goal_y_m]) if informed else None,
             wanted.own_pose,
         ),
         association=association.Association(mind.association, wanted.needs) if wanted.associate else None,
         obstacle_stage=mind.obstacle_stage,
-        role=1 if informed else group.role,
+        role=1 if informed else given.role,
         memory=np.zeros(law.memory),
-        dt=1.0 / group.rate_hz,
+        dt=1.0 / given.rate_hz,
         command=first,
     )
 
 
-def _pipeline_state(group: Group) -> PipelineState:
-    pipeline = found.load(PIPELINE, group.pipeline, "pipeline")
+def _pipeline_state(mind: Mind) -> PipelineState:
+    group, pipeline = mind.group, mind.pipeline
     parameters = filled(pipeline.Parameters, group.pipeline_parameters, prefix=f"{group.name}.pipeline.")
-    return pipeline.start(parameters, member_model(group.body), model.LASER_HEIGHT, hokuyo.ANGLES)
+    return pipeline.start(parameters, member_model(mind.given.body), model.LASER_HEIGHT, hokuyo.ANGLES)
 
 
 @cache
 def member_model(body: str) -> mujoco.MjModel:
     """One robot alone: what a database of members is made from."""
-    return found.load(BODY, body, "body").spec().compile()
+    return found.load(BODIES, body, "body").spec().compile()
 
 
 def check(trial: Trial) -> None:
-    """Refuses, before anything is built, a trial whose numbers do not fit one another.
+    """Refuses, before anything is built, a trial whose names and numbers do not fit one another.
 
-    Clocks must be whole numbers of physics steps, and no robot may be able to leave its world behind. Raises
-    `InputError`.
+    Clocks must be whole numbers of physics steps, robots must start apart and within the walls, and none may be able to
+    leave its world behind. Raises `InputError`.
     """
-    ticks(SAMPLE_S, trial.timestep_s, "the time between samples", at_least=1)
+    trial_fields = of_trial(trial)
+    if not trial.groups:
+        raise InputError("the trial has no robots: expected a group")
+    check_names(trial)
+    ticks(SAMPLE_S, trial_fields.timestep_s, "the time between samples", at_least=1)
     for number, group in enumerate(trial.groups):
-        clock(group, trial.timestep_s)
-        found.load(PIPELINE, group.pipeline, "pipeline")
-        found.load(BODY, group.body, "body")
-        laser_parameters(group)
+        given = of_group(group)
+        clock(group.name, given, trial_fields.timestep_s)
+        pipeline_of(group)
+        found.load(BODIES, given.body, "body")
+        laser_of(group)
+        association_of(group)
         information.check(group)
         spread.check(trial, number, information.parameters_of(group)._asdict())
         ObstacleStage(group, frozenset())
-    module = found.load(WORLD, trial.world, "world")
-    free_length = module.free_length(filled(module.Parameters, trial.world_parameters, prefix="world."))
-    count = sum(group.count for group in trial.groups)
-    poses_w = formations.poses(trial.formation, count, stream(trial.seed, trial.repeat, 0, 0, Purpose.START))
-    fastest = max(min(group.speed_m_s, model.MAX_SPEED) for group in trial.groups)
-    reach = float(np.abs(poses_w[:, 0]).max()) + fastest * trial.duration_s
+    module = world_of(trial)
+    parameters = filled(module.Parameters, trial.world_parameters, prefix="world.")
+    poses_w = starting_poses(trial)
+    _check_reach(trial, trial_fields, float(module.free_length(parameters)), poses_w)
+    names = [f"{group.name}-{k + 1}" for group in trial.groups for k in range(group.count)]
+    check_starts(names, poses_w, np.full(len(names), model.RADIUS), module.walls(parameters).segments)
+
+
+def _check_reach(trial: Trial, given: TrialFields, free_length: float, poses_w: Floats) -> None:
+    fastest = max(min(of_group(group).speed_m_s, model.MAX_SPEED) for group in trial.groups)
+    reach = float(np.abs(poses_w[:, 0]).max()) + fastest * given.duration_s
     if reach > free_length:
         needed = math.ceil(2 * (reach + model.RADIUS))
         raise InputError(
@@ -258,7 +265,10 @@ def check(trial: Trial) -> None:
         )
 
 
-def clock(group: Group, timestep: float) -> tuple[int, int]:
-    """Ticks between a robot's updates, and from sensing to acting. Raises `InputError` if they are not whole."""
-    period = ticks(1.0 / group.rate_hz, timestep, f"1 / {group.name}.rate_hz", at_least=1)
-    return period, ticks(group.latency_s, timestep, f"{group.name}.latency_s", at_least=0)
+def clock(name: str, given: GroupFields, timestep: float) -> tuple[int, int]:
+    """Ticks between the updates of a robot of the group of that name, and from its sensing to its acting.
+
+    Raises `InputError` if they are not whole.
+    """
+    period = ticks(1.0 / given.rate_hz, timestep, f"1 / {name}.rate_hz", at_least=1)
+    return period, ticks(given.latency_s, timestep, f"{name}.latency_s", at_least=0)

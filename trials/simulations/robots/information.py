@@ -9,15 +9,12 @@ from types import ModuleType
 from typing import Any, NamedTuple
 
 from flocking import found, lawentry, selection
-from flocking.errors import InputError, unknown_name
+from flocking.errors import InputError
 from flocking.parameters import declared
 from flocking.perception import Step
-from trials.simulations.robots.knowledge import SOURCES
-from trials.simulations.robots.obstacle_stage import AS_LAW, CHOICES
+from trials.simulations.robots.fields import AS_LAW, PIPELINES, TWO_SCANS, of_group, pipeline_of
 from trials.types import Group
 
-TWO_SCANS, NO_ASSOCIATION = ASSOCIATIONS = ("two-scans", "none")
-PIPELINES = "sensing.pipelines"
 INFERRED = frozenset({"velocities", "headings"})
 """What association makes of positions."""
 OF_ITSELF = frozenset({"compass", "goal", "contacts"})
@@ -75,19 +72,18 @@ def wanted(group: Group) -> Wanted:
     """Whether it can be had is for `check` to say. Raises `InputError` for names that do not exist."""
     law = lawentry.module_of(group.law, group.law_source)
     needs = lawentry.needs_of(law) | selection.needs(step for steps in selections(group) for step in steps)
-    if group.obstacles != AS_LAW:
+    fields = of_group(group)
+    if fields.obstacles != AS_LAW:
         needs |= {"obstacles"}
-    has = given(found.load(PIPELINES, group.pipeline, "pipeline"))
+    has = given(pipeline_of(group))
     missing = needs - has - OF_ITSELF
-    inferable = missing & INFERRED if group.association == TWO_SCANS and "positions" in has else frozenset()
+    inferable = missing & INFERRED if fields.association == TWO_SCANS and "positions" in has else frozenset()
     return Wanted(needs, missing, inferable, bool(needs & {"compass", "goal"}) or bool(inferable))
 
 
 def check(group: Group) -> None:
     """Raises `InputError`, in one line that says what is missing and what gives it."""
-    for kind, choices in (("own_motion", SOURCES), ("association", ASSOCIATIONS), ("obstacles", CHOICES)):
-        if getattr(group, kind) not in choices:
-            raise unknown_name(kind, getattr(group, kind), choices)
+    associates = of_group(group).association == TWO_SCANS
     sets = lawentry.sets_of(lawentry.module_of(group.law, group.law_source))
     for name, steps in zip(sets, selections(group), strict=True):
         if any(chosen.step is Step.GRAPH for chosen in steps):
@@ -100,11 +96,11 @@ def check(group: Group) -> None:
     if missing == inferable:
         return
     ways = []
-    if missing <= INFERRED and group.association != TWO_SCANS:
+    if missing <= INFERRED and not associates:
         ways.append(f"association (--set {group.name}.association={TWO_SCANS})")
     for name, pipeline in pipelines().items():
         has = given(pipeline)
-        inferred = INFERRED if group.association == TWO_SCANS and "positions" in has else frozenset()
+        inferred = INFERRED if associates and "positions" in has else frozenset()
         if missing <= has | inferred:
             ways.append(f"pipeline {name}")
     raise InputError(

@@ -9,12 +9,11 @@ from __future__ import annotations
 import numpy as np
 
 from flocking import avoidance, obstacle_selection
-from flocking.parameters import filled
 from flocking.types import Floats, Motion, Obstacles, only
 from sensing.types import Detection
+from trials.simulations.robots.fields import AVOID, VIRTUAL, avoidance_of, of_group
 from trials.types import Group
 
-AS_LAW, AVOID, VIRTUAL = CHOICES = ("as-law", "avoid", "virtual-members")
 AVOIDING = "avoiding"
 """Name of the rule that speaks where the added avoidance turned a motion."""
 
@@ -24,10 +23,11 @@ class ObstacleStage:
 
     def __init__(self, group: Group, needs: frozenset[str]) -> None:
         """`needs`: what the law and its selections read of members; raises `InputError`."""
-        self.steps = obstacle_selection.parse(group.obstacle_selection)
-        self.parameters = filled(avoidance.Parameters, group.avoidance_parameters, prefix=f"{group.name}.avoidance.")
-        self.avoids = group.obstacles == AVOID
-        self.virtual = group.obstacles == VIRTUAL
+        fields = of_group(group)
+        self.steps = obstacle_selection.parse(fields.obstacle_selection)
+        self.parameters = avoidance_of(group)
+        self.avoids = fields.obstacles == AVOID
+        self.virtual = fields.obstacles == VIRTUAL
         self.acts = self.virtual or bool(self.steps)
         self._needs_headings = "headings" in needs
 

@@ -31,6 +31,7 @@ from flocking.types import Bools, Floats
 from trials.simulations.columns import packed, series, times_column
 from trials.simulations.recording_file import opened
 from trials.simulations.robots import recorded_senses, screen
+from trials.simulations.robots.fields import of_trial
 from trials.simulations.robots.measures import GROUP_CUT_M
 from trials.types import TrialResult
 
@@ -204,7 +205,7 @@ def rule_shares(result: TrialResult) -> dict[str, tuple[Floats, Floats]]:
     counts = np.zeros((window.max() + 1, len(names)))
     np.add.at(counts, (window, spoke), 1.0)
     some = counts.sum(axis=1) > 0
-    ends = np.minimum((np.flatnonzero(some) + 1) * SHARE_S, max(updates.times[-1], result.trial.duration_s))
+    ends = np.minimum((np.flatnonzero(some) + 1) * SHARE_S, max(updates.times[-1], of_trial(result.trial).duration_s))
     shares = counts[some] / counts[some].sum(axis=1, keepdims=True)
     return {name: (ends, shares[:, i]) for i, name in enumerate(names)}
 

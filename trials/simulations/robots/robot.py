@@ -20,7 +20,6 @@ from sensing.laser.hokuyo import PERIOD_S, Lasers
 from sensing.types import Detection, PipelineState, Scan, ScanTruth, Senses, WorldTruth
 from trials.simulations.robots.knowledge import COMPASS, GOAL, Knowledge
 from trials.simulations.robots.obstacle_stage import AVOIDING, ObstacleStage
-from trials.types import Group
 
 _AHEAD = 64
 """Updates for which a law's random numbers are drawn at once."""
@@ -42,7 +41,8 @@ class Robot:
 
     index: int
     name: str
-    group: Group
+    cruise_m_s: float
+    """Speed towards a way-point."""
     period: int
     """Ticks between updates."""
     latency: int
@@ -191,7 +191,7 @@ class Robot:
     def drive(self, motion: Motion) -> tuple[float, float]:
         """Stage 5, first half: what the wheels shall do; takes effect when `apply` is called after the latency."""
         self.command = follow(
-            motion.kind, motion.x, motion.y, self.group.speed_m_s, self.command[0], self.command[1], self.dt
+            motion.kind, motion.x, motion.y, self.cruise_m_s, self.command[0], self.command[1], self.dt
         )
         return self.command
 

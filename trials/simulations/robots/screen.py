@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from flocking.types import Floats
 from trials.simulations.columns import TIMELINE
+from trials.simulations.robots.fields import of_group, of_trial
 from trials.types import TrialResult
 
 TRAIL_S = 15.0
@@ -92,18 +93,19 @@ def blueprint(result: TrialResult) -> rrb.Blueprint:
 
 def about(result: TrialResult) -> str:
     """The trial in words (Markdown)."""
-    trial = result.trial
+    trial, given = result.trial, of_trial(result.trial)
     lines = [
         f"# {trial.experiment}, trial {trial.index}",
         f"Seed {trial.seed}, repeat {trial.repeat}; {trial.world}, formation {trial.formation}; "
-        f"{trial.duration_s:g} s in steps of {trial.timestep_s:g} s.",
+        f"{given.duration_s:g} s in steps of {given.timestep_s:g} s.",
         f"**{result.outcome}**{': ' + result.reason if result.reason else ''}",
         "",
     ]
     lines += [f"- `{key}` = {value}" for key, value in trial.conditions.items()]
     lines += [
-        f"- {group.count} x {group.name}: {group.body}, {group.sensors} laser, {group.pipeline}, {group.law}"
+        f"- {group.count} x {group.name}: {given.body}, {given.sensors} laser, {group.pipeline}, {group.law}"
         for group in trial.groups
+        for given in (of_group(group),)
     ]
     if result.measures:
         lines += ["", "| measure | value |", "|---|---|"]

@@ -1,0 +1,81 @@
+"""Robots in MuJoCo, as a simulation that trials can name."""
+
+from __future__ import annotations
+
+import dataclasses
+from pathlib import Path
+
+from trials.simulations.contract import Simulation
+from trials.simulations.robots import fields, herd, keys, worldfile
+from trials.simulations.robots.measures import ABOUT, HEADINGS, KEY_MEASURES
+from trials.types import Trial, TrialResult
+
+MOMENT_S = 1.0
+"""Simulated time in which every robot senses and acts a few times."""
+CONSTANTS = (
+    "robots.create.model",
+    "robots.create.controller",
+    "robots.create.odometry",
+    "robots.physics",
+    "sensing.laser.readings",
+    "sensing.laser.intensity",
+    "worlds.formations",
+    "trials.simulations.robots.measures",
+)
+
+
+def run_trial(trial: Trial, scans: str, reraise: bool) -> TrialResult:
+    """See `trials.simulations.run_trial`."""
+    from trials.simulations.robots import loop
+
+    return loop.run_trial(trial, scans, reraise)
+
+
+def record(result: TrialResult, path: Path) -> None:
+    """Writes the recording. Rerun is imported here alone: it takes long."""
+    from trials.simulations.robots.recordings import write
+
+    write(result, path)
+
+
+def limit_s(trial: Trial) -> float:
+    """Wall time (s) after which a trial counts as hung."""
+    robots = sum(group.count for group in trial.groups)
+    return 60.0 + fields.of_trial(trial).duration_s * (1.0 + robots / 10.0)
+
+
+def moment(trial: Trial) -> Trial:
+    """The first second."""
+    seconds = min(MOMENT_S, fields.of_trial(trial).duration_s)
+    return dataclasses.replace(trial, setup={**trial.setup, "duration_s": seconds})
+
+
+def prepare() -> None:
+    """Imports the loop, the measures and the recordings."""
+    import trials.simulations.robots.loop
+    import trials.simulations.robots.measures
+    import trials.simulations.robots.recordings  # noqa: F401
+
+
+def at_step(trial: Trial, step: int) -> str:
+    """A physics step by its time."""
+    return f"at {step * fields.of_trial(trial).timestep_s:.2f} s"
+
+
+SIMULATION = Simulation(
+    keys_of=keys.keys_of,
+    check=herd.check,
+    settled=keys.settled,
+    run_trial=run_trial,
+    record=record,
+    measures=ABOUT,
+    key_measures=KEY_MEASURES,
+    limit_s=limit_s,
+    moment=moment,
+    prepare=prepare,
+    at_step=at_step,
+    constants=CONSTANTS,
+    has_scans=True,
+    world_xml=worldfile.world_xml,
+    headings=HEADINGS,
+)
