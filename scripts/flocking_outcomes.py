@@ -16,8 +16,10 @@ from types import ModuleType
 from flocking.errors import InputError
 from trials.batch.store import Store, opened
 from trials.design import load
-from trials.evidence.summary import cells, key_measures, mean, named
-from trials.reports.report import VERDICTS, counted, report, shown_interval, shown_number
+from trials.evidence.summary import cells, mean, named
+from trials.reports.report import report
+from trials.reports.wording import VERDICTS, counted, key_measures, shown_interval, shown_number
+from trials.simulations import measures_of
 
 PAGE = Path(__file__).parents[1] / "docs" / "flocking.md"
 BEGIN, END = "<!-- outcomes: begin", "<!-- outcomes: end -->"
@@ -69,7 +71,7 @@ def _means(store: Store, experiment: ModuleType) -> list[str]:
     """The key measures of each cell of an experiment that nothing published is held against."""
     names = key_measures(store, experiment)
     lines = [f"| means over the repeats | {' | '.join(names)} |", f"|---{'|---' * len(names)}|"]
-    for cell in cells(store):
+    for cell in cells(store, measures_of(store.trials)):
         numbers = [mean(cell, name) for name in names]
         told = [f"{shown_number(n.measured)} {shown_interval(n.low, n.high)}".strip() for n in numbers]
         lines.append(f"| {named(cell.conditions)} | {' | '.join(told)} |")

@@ -16,10 +16,10 @@ from pathlib import Path
 from flocking.errors import InputError
 from trials.batch.store import opened
 from trials.reports.report import report
+from trials.reports.wording import VERDICTS
 
 PAGE = Path(__file__).parents[1] / "docs" / "detection-case-study.md"
 BEGIN, END = "<!-- outcomes: begin", "<!-- outcomes: end -->"
-VERDICTS = {True: "holds", False: "does not hold", None: "undecided"}
 
 
 def main(folders: Sequence[str]) -> None:

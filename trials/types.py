@@ -165,6 +165,8 @@ class TrialResult:
     """For each robot the names of its law's rules."""
     walls_w: Floats
     """(W, 4) segments, m."""
+    period_m: float
+    """Side of a periodic world; nan where there is none."""
     updates: Updates
     contacts: Contacts
     scans: Scans | None

@@ -60,6 +60,7 @@ def synthetic_result(
         radii=np.full(robots, RADIUS),
         rules=(RULES,) * robots,
         walls_w=WALLS_W,
+        period_m=np.nan,
         updates=_updates(rng, update_times, update_robots, everyone, pipeline),
         contacts=_contacts(rng, times, poses_w),
         scans=kept,

@@ -52,6 +52,26 @@ def run_trial(trial: Trial, scans: str = "none", reraise: bool = False) -> Trial
     return of(trial).run_trial(trial, scans, reraise)
 
 
+def key_measures_of(trials: Sequence[Trial]) -> tuple[str, ...]:
+    """Of these measures those that a first look at a run needs, unless its experiment names others."""
+    if trials and is_kinematic(trials[0]):
+        from trials.simulations.kinematic.measures import KEY_MEASURES as KINEMATIC
+
+        return KINEMATIC
+    from trials.simulations.robots.measures import KEY_MEASURES as PHYSICAL
+
+    return PHYSICAL
+
+
+def headings_of(trials: Sequence[Trial]) -> dict[str, str]:
+    """The measures that fit on a terminal with their headings, where a simulation has headings of its own; else {}."""
+    if trials and is_kinematic(trials[0]):
+        return {}
+    from trials.simulations.robots.measures import HEADINGS
+
+    return HEADINGS
+
+
 def record(result: TrialResult, path: Path) -> None:
     """Writes the recording of a finished trial. Raises `OSError` where it cannot be written whole."""
     of(result.trial).record(result, path)

@@ -23,7 +23,7 @@ from trials.batch.store import Row, Store
 from trials.evidence.claims import UndecidedError
 from trials.evidence.summary import cells, mean, named
 from trials.reports import report
-from trials.reports.report import shown_interval, shown_number
+from trials.reports.wording import shown_interval, shown_number
 from trials.simulations.robots.measures import ABOUT
 from trials.studies.detection import claims, figures
 from trials.studies.detection.claims import supplement
@@ -181,7 +181,7 @@ def test_supplements_must_have_the_settings_of_the_run(tmp_path: Path) -> None:
 def test_a_cell_is_its_repeats() -> None:
     run = made_up_run(_law, repeats=5)
     run.finished[0] = dataclasses.replace(run.finished[0], status="failed", measures={})
-    found = cells(run)
+    found = cells(run, ABOUT)
     assert [(cell.planned, cell.failed, cell.done) for cell in found] == [(5, 1, 4)] + [(5, 0, 5)] * 8
     assert mean(found[2], "mmd").measured == pytest.approx(2.0, rel=0.03)  # standard error 0.5 %
     assert named(found[1].conditions) == "member-based, exclusion_m 0.5"

@@ -101,6 +101,7 @@ def _result(trial: Trial, herd: Herd, times: Floats, poses_w: Floats, outcome: s
         radii=np.repeat([band.radius_m for band in herd.bands], [band.count for band in herd.bands]),
         rules=(),
         walls_w=np.array(herd.space.place().walls),
+        period_m=float(herd.space.size_m) if herd.space.kind == "periodic" else np.nan,
         updates=updates,
         contacts=Contacts(none, whole, whole, np.empty((0, 2))),
         scans=None,

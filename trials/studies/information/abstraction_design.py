@@ -26,10 +26,10 @@ MEMBER_CENTRIC, GROUP_CENTRIC = "all", "densest"
 """The second stands for a selection with the law's own threshold."""
 LCH = "lch"
 VARIATIONS = {
-    (POSES, MEMBER_CENTRIC): "lch-member-pose",
     (POSES, GROUP_CENTRIC): "lch-group-pose",
-    (BEARINGS, MEMBER_CENTRIC): "lch-member-bearing",
     (BEARINGS, GROUP_CENTRIC): "lch-group-bearing",
+    (POSES, MEMBER_CENTRIC): "lch-member-pose",
+    (BEARINGS, MEMBER_CENTRIC): "lch-member-bearing",
 }
 """Of LCH, by what each reads: Fine 2015, section 4.1."""
 ANGLE_DEG = 10.0

@@ -14,10 +14,10 @@ from typing import Any
 from trials.evidence.claims import Cells, Entry, Run, UndecidedError, arms, undecided
 from trials.reports import figures as draw
 from trials.reports.figures import Figure
-from trials.reports.verdict_maps import Square, verdict_map
-from trials.studies.crowded_horizon.figures import VARIATIONS
+from trials.studies.information.abstraction_design import LCH, VARIATIONS, rule_of
 from trials.studies.information.law_judges import IN_WORDS, Cell, alike, better, both, mean_of, verdict
 from trials.studies.information.law_survey import CONTROL, LAW, judged_by, told_apart_by
+from trials.studies.information.verdict_maps import Square, verdict_map
 from trials.types import Value
 from worlds.formations import SPACING
 
@@ -25,7 +25,7 @@ DETAIL, DETECTION = "herd.selection", "herd.pipeline"
 KEYS = (LAW, DETAIL, DETECTION)
 DETECTIONS = PERFECT, *_ = ("perfect", "member-based", "member-extrapolated", "sensor-based")
 MEMBER_CENTRIC, GROUP_CENTRIC = "all", f"densest-distance({SPACING:g})"
-LAWS = (*VARIATIONS, "extended-hamilton", "snn", "couzin")
+LAWS = (*VARIATIONS.values(), "extended-hamilton", "snn", "couzin")
 SOURCE = "fine2015, section 4"
 WORDS = "what members are told does not change what the group does"
 TEST = (
@@ -41,7 +41,7 @@ def cells(conditions: Mapping[str, Sequence[Any]]) -> list[dict[str, Value]]:
         {LAW: law, DETAIL: detail, DETECTION: detection}
         for law in conditions[LAW]
         for detail in conditions[DETAIL]
-        if detail == MEMBER_CENTRIC or law not in VARIATIONS
+        if detail == MEMBER_CENTRIC or rule_of(law) != LCH
         for detection in conditions[DETECTION]
     ]
     return [*found, {LAW: CONTROL, DETAIL: MEMBER_CENTRIC, DETECTION: PERFECT}]
@@ -49,7 +49,7 @@ def cells(conditions: Mapping[str, Sequence[Any]]) -> list[dict[str, Value]]:
 
 def best_of(law: str) -> Cell:
     """The cell that a law is held against."""
-    return "lch-member-pose" if law in VARIATIONS else law, MEMBER_CENTRIC, PERFECT
+    return "lch-member-pose" if rule_of(law) == LCH else law, MEMBER_CENTRIC, PERFECT
 
 
 def kept(cells: Cells, cell: Cell) -> bool | None:
@@ -125,7 +125,7 @@ def _entry(cells: Cells, law: str, asked: Sequence[Cell], arm: dict[str, Any]) -
     return Entry(
         source=SOURCE,
         quantity=f"{law}: shown in {found.count(True)} of {len(found)} conditions, lost in {found.count(False)}",
-        published=WORDS if law in VARIATIONS else f"{WORDS}: left open",
+        published=WORDS if rule_of(law) == LCH else f"{WORDS}: left open",
         measured=found.count(True) / len(found),
         low=math.nan,
         high=math.nan,

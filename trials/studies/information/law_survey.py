@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
 from typing import Any, NamedTuple
 
@@ -25,7 +25,7 @@ from flocking.lawentry import OF_MEMBERS
 from flocking.parameters import declared
 from flocking.perception import Step
 from flocking.taxonomy import Herd
-from trials.simulations.kinematic.fields import own_herd
+from trials.simulations.kinematic.fields import of_group, own_herd
 from trials.types import Group, Trial, Value
 
 LAW, CONTROL = "herd.law", "random-motion"
@@ -96,6 +96,18 @@ def judged_by(name: str) -> tuple[str, ...]:
 def told_apart_by(name: str) -> tuple[str, ...]:
     """Those of them in which it must be better than random motion."""
     return judged_by(name) if needs(name) & WHERE else (ORDER,)
+
+
+def without_goals(trials: Iterable[Trial]) -> str:
+    """In a sentence, the laws of kinematic trials that can have a goal and are given none; empty if there are none."""
+    names = {
+        group.law
+        for trial in trials
+        for group in trial.groups
+        if "goal" in lawentry.needs_of(lawentry.module_of(group.law, group.law_source))
+        and of_group(group).informed_share == 0.0
+    }
+    return f"Of the laws with goals, these run without one here: {', '.join(sorted(names))}." if names else ""
 
 
 def herd_of(name: str) -> Herd:

@@ -73,6 +73,7 @@ def trial_of(
         radii=np.full(robots, 0.165),
         rules=(RULES,) * robots,
         walls_w=np.empty((0, 4)),
+        period_m=math.nan,
         updates=updates,
         contacts=touches,
         scans=None,
