@@ -6,8 +6,8 @@
 
 `keep` runs the `herd` command that is installed beside the Python which runs it, so that one copy of this file serves
 any version. `compare` reads what those commands wrote: what `herd show` says (but for the words of sources), each row
-of the results, each array of the series, and each column of one recording, with its scans. Equal bits are to be expected
-on one type of processor only.
+of the results, each array of the series, and each column of one recording, with its scans. Equal bits are to be
+expected on one type of processor only.
 """
 
 from __future__ import annotations

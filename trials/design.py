@@ -27,7 +27,7 @@ from typing import Any
 
 from flocking import found
 from flocking.errors import InputError, unknown_name
-from trials import simulations
+from trials import keys, simulations
 from trials.rows import Row, marked
 from trials.types import Trial, Value
 
@@ -115,13 +115,13 @@ def plan(
             if key in settings or key in arm_values:
                 other = f"--set {key}={settings[key]}" if key in settings else f"--sweep {key}"
                 raise InputError(f"--{field} {name_given} and {other}: expected one of the two")
-            if field == "law" and name_given.endswith(simulations.AVOIDS) and f"{group.name}.obstacles" in settings:
+            if field == "law" and name_given.endswith(keys.AVOIDS) and f"{group.name}.obstacles" in settings:
                 given = settings[f"{group.name}.obstacles"]
                 raise InputError(
                     f"--law {name_given} and --set {group.name}.obstacles={given}: expected one of the two"
                 )
-            if field == "body" and simulations.is_kinematic(module.base(1)):
-                raise InputError(f"--body {name_given}: {name} has no bodies; expected an experiment on robots")
+            if not keys.has(module.base(1), key):
+                raise InputError(f"--{field} {name_given}: {name} has no {field} to choose")
             settings[key] = name_given
     for key in [key for key in settings if key in conditions]:
         conditions[key] = [settings.pop(key)]
@@ -161,18 +161,18 @@ def _parameters(module: ModuleType, trial: Trial, given: set[str]) -> list[Row]:
     """Every parameter of a trial; those that the user set say so."""
     sources = getattr(module, "SOURCES", {})
     usual = _usual(module.base(trial.repeat), trial)
-    rows = simulations.rows(trial, sources)
+    rows = keys.rows(trial, sources)
     return [marked(row, usual.get(row.key, row.value)) if row.key in given else row for row in rows]
 
 
 def _usual(base: Trial, trial: Trial) -> dict[str, Any]:
     """The experiment's own value of each key; of another law's parameters those that it has by itself."""
-    usual = {row.key: row.value for row in simulations.rows(base)}
+    usual = {row.key: row.value for row in keys.rows(base)}
     groups = [
         own if own.law == other.law else dataclasses.replace(other, law_parameters={})
         for own, other in zip(base.groups, trial.groups, strict=True)
     ]
-    others = simulations.rows(dataclasses.replace(base, groups=tuple(groups)))
+    others = keys.rows(dataclasses.replace(base, groups=tuple(groups)))
     return usual | {row.key: row.value for row in others if ".law." in row.key}
 
 
@@ -192,7 +192,7 @@ def _cells(
     chosen = {**settings, **arm}
     names = {key: value for key, value in chosen.items() if not any(_names_first(key)[:2])}
     changed = any(key.rsplit(".", 1)[-1] == "law" for key in names)
-    known = {row.key for row in simulations.rows(_put(module.base(1), names))} if changed else set(conditions)
+    known = {row.key for row in keys.rows(_put(module.base(1), names))} if changed else set(conditions)
     for key in conditions:
         if key not in known:
             notes[f"{key} is left out: the law has no parameter {key.rsplit('.', 1)[-1]}"] = None
@@ -217,7 +217,7 @@ def _placed(
     for cell in cells:
         given = {**settings, **cell}
         names = {key: value for key, value in given.items() if not any(_names_first(key)[:2])}
-        known.append({row.key for row in simulations.rows(_put(module.base(1), names))} | names.keys())
+        known.append({row.key for row in keys.rows(_put(module.base(1), names))} | names.keys())
     everywhere, somewhere = set.intersection(*known), set.union(*known)
     for key in sorted(parameters & somewhere - everywhere):
         notes[f"{key} is left out where there is no such parameter"] = None
@@ -229,7 +229,7 @@ def _placed(
 
 def _put(trial: Trial, values: Mapping[str, Any]) -> Trial:
     for key in sorted(values, key=_names_first):
-        trial = simulations.put(trial, key, values[key])
+        trial = keys.put(trial, key, values[key])
     return trial
 
 

@@ -48,6 +48,14 @@ def rows(trial: Trial, sources: Mapping[str, Parameter] | None = None) -> list[R
     return [told(row, (sources or {}).get(row.key)) for row in found_rows]
 
 
+def has(trial: Trial, key: str) -> bool:
+    """Whether a trial has such a key."""
+    first, _, rest = key.partition(".")
+    group = next((group for group in trial.groups if rest and group.name == first), None)
+    candidates = _candidates(trial, group, key if group is None else rest)
+    return any(section.prefix == prefix and name in section.parameters for section, prefix, name in candidates)
+
+
 def _candidates(trial: Trial, group: Group | None, local: str) -> Iterator[tuple[Section, str, str]]:
     prefix, dot, name = local.rpartition(".")
     for section in simulations.of(trial).keys_of(trial, group):

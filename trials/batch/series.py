@@ -19,7 +19,7 @@ import numpy as np
 from flocking.errors import InputError
 from trials.types import Contacts, Trial, TrialResult, Updates
 
-FORMAT = 1
+FORMAT = 2
 HEAD = "result.json"
 """The entry of the zip that holds the trial and everything that is no array."""
 

@@ -27,7 +27,7 @@ from typing import Any
 from flocking.errors import InputError
 from trials.types import Trial, TrialResult
 
-FORMAT = 1
+FORMAT = 2
 """Of run.json and of the tables (`PRAGMA user_version`)."""
 RUN, RESULTS, SERIES, RECORDINGS, CODE = "run.json", "results.sqlite", "series", "recordings", "code"
 _TABLES = """

@@ -12,22 +12,6 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-MODULES = (
-    "robots.create.model",
-    "robots.create.controller",
-    "robots.create.odometry",
-    "robots.physics",
-    "sensing.laser.readings",
-    "sensing.laser.intensity",
-    "worlds.formations",
-    "trials.simulations.robots.measures",
-)
-KINEMATIC_MODULES = (
-    "flocking.kinematic.detection",
-    "flocking.kinematic.motion",
-    "trials.simulations.kinematic.measures",
-)
-
 
 class Constant(NamedTuple):
     """One number of a module."""
@@ -37,7 +21,7 @@ class Constant(NamedTuple):
     remark: str
 
 
-def constants(modules: Sequence[str] = MODULES) -> list[Constant]:
+def constants(modules: Sequence[str]) -> list[Constant]:
     """Public numeric constants of the modules, in the order of their files."""
     return [constant for name in modules for constant in _of(name)]
 

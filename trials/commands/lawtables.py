@@ -105,7 +105,7 @@ def one_law(name: str) -> str:
         check(name)
     law = lawentry.module_of(name)
     parts = [(law.__doc__ or "").strip()]
-    creates = information.for_creates(law, {})
+    creates = getattr(law, "CREATE", {})
     rows = [
         (
             d.name,

@@ -63,4 +63,6 @@ def key_measures(store: Store, experiment: Any) -> tuple[str, ...]:
 
 def columns(store: Store, experiment: Any) -> dict[str, str]:
     """The measures of a run that fit on a terminal, and their headings."""
-    return headings_of(store.trials) or {name: name.replace("_", "\n") for name in key_measures(store, experiment)}
+    return dict(headings_of(store.trials)) or {
+        name: name.replace("_", "\n") for name in key_measures(store, experiment)
+    }

@@ -20,11 +20,12 @@ def names() -> list[str]:
 
 def of(trial: Trial) -> Simulation:
     """The simulation that runs a trial. Raises `InputError` with the nearest names if there is none."""
-    return _named(trial.simulation)
+    return named(trial.simulation)
 
 
 @cache
-def _named(name: str) -> Simulation:
+def named(name: str) -> Simulation:
+    """The simulation of that name. Raises `InputError` with the nearest names if there is none."""
     known = found.folders(__name__, "simulation")
     if name not in known:
         raise unknown_name("simulation", name, known)
@@ -52,26 +53,6 @@ def run_trial(trial: Trial, scans: str = "none", reraise: bool = False) -> Trial
     return of(trial).run_trial(trial, scans, reraise)
 
 
-def key_measures_of(trials: Sequence[Trial]) -> tuple[str, ...]:
-    """Of these measures those that a first look at a run needs, unless its experiment names others."""
-    if trials and is_kinematic(trials[0]):
-        from trials.simulations.kinematic.measures import KEY_MEASURES as KINEMATIC
-
-        return KINEMATIC
-    from trials.simulations.robots.measures import KEY_MEASURES as PHYSICAL
-
-    return PHYSICAL
-
-
-def headings_of(trials: Sequence[Trial]) -> dict[str, str]:
-    """The measures that fit on a terminal with their headings, where a simulation has headings of its own; else {}."""
-    if trials and is_kinematic(trials[0]):
-        return {}
-    from trials.simulations.robots.measures import HEADINGS
-
-    return HEADINGS
-
-
 def record(result: TrialResult, path: Path) -> None:
     """Writes the recording of a finished trial. Raises `OSError` where it cannot be written whole."""
     of(result.trial).record(result, path)
@@ -85,3 +66,8 @@ def measures_of(trials: Sequence[Trial]) -> Mapping[str, Measure]:
 def key_measures_of(trials: Sequence[Trial]) -> tuple[str, ...]:
     """Of these, those that a first look at a report needs."""
     return of(trials[0]).key_measures if trials else ()
+
+
+def headings_of(trials: Sequence[Trial]) -> Mapping[str, str]:
+    """The measures that fit on a terminal with their headings, where a simulation has headings of its own; else {}."""
+    return of(trials[0]).headings if trials else {}

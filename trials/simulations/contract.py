@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Protocol
 
@@ -44,11 +44,13 @@ class Simulation:
     """Imports all that a trial needs, in a worker before its first trial."""
     at_step: Callable[[Trial, int], str]
     """When a step is, in words: `at 0.50 s`."""
+    listed: Callable[[str], Mapping[str, object]]
+    """(kind: `bodies`, `worlds` or `formations`) → by the name that `herd list` shows, what its docstring tells of."""
     constants: tuple[str, ...] = ()
     """Modules whose constants `herd show` lists."""
     has_scans: bool = False
     """Whether there are scans that a recording can keep."""
     world_xml: Callable[[Trial], str] | None = None
     """The trial's world as MJCF; None if there is none."""
-    headings: Mapping[str, str] | None = None
-    """The measures of the terminal's table, and their headings; None: the key measures under their names."""
+    headings: Mapping[str, str] = field(default_factory=dict)
+    """The measures of the terminal's table, and their headings; where there are none: the key measures."""

@@ -15,15 +15,12 @@ from trials.types import Group, Trial
 def keys_of(trial: Trial, group: Group | None = None) -> list[Section]:
     """The keys of a kinematic trial, or of one of its groups."""
     if group is None:
+        world, formation = fields.WORLD_PARAMETERS[fields.space_of(trial)], fields.FORMATION_PARAMETERS[trial.formation]
         return [
             section("", fields.TrialFields, lambda: fields.of_trial(trial)._asdict()),
             section("", fields.NameFields, lambda: {"world": trial.world, "formation": trial.formation}),
-            section(
-                "world.", fields.WORLD_PARAMETERS[fields.space_of(trial)], lambda: fields.world_of(trial)._asdict()
-            ),
-            section(
-                "formation.", fields.FORMATION_PARAMETERS[trial.formation], lambda: fields.formation_of(trial)._asdict()
-            ),
+            section("world.", world, lambda: fields.world_of(trial)._asdict()),
+            section("formation.", formation, lambda: fields.formation_of(trial)._asdict()),
             section(fields.LINKS, links.Parameters, lambda: _links_shown(trial)),
         ]
     law = lawentry.module_of(group.law, group.law_source)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Mapping
 from pathlib import Path
 
 from trials.simulations.contract import Simulation
@@ -47,6 +48,12 @@ def at_step(trial: Trial, step: int) -> str:
     return f"at step {step + 1}"
 
 
+def listed(kind: str) -> Mapping[str, object]:
+    """Its worlds and formations; members have no bodies."""
+    named = {"worlds": fields.WORLD_PARAMETERS, "formations": fields.FORMATION_PARAMETERS}.get(kind, {})
+    return {f"kinematic: {name}": parameters for name, parameters in named.items()}
+
+
 SIMULATION = Simulation(
     keys_of=keys.keys_of,
     check=herd.check,
@@ -59,5 +66,6 @@ SIMULATION = Simulation(
     moment=moment,
     prepare=prepare,
     at_step=at_step,
+    listed=listed,
     constants=CONSTANTS,
 )

@@ -35,6 +35,21 @@ def body_names() -> list[str]:
     return _with(BODIES, "spec")
 
 
+def pipeline_names() -> list[str]:
+    """The member detections that a robot can have."""
+    return sorted(found.modules(PIPELINES))
+
+
+def formation_names() -> list[str]:
+    """The starting formations of robots."""
+    return list(formations.FORMATIONS)
+
+
+def own_formation_names() -> list[str]:
+    """What a group can say of its own formation."""
+    return [TOGETHER, *formations.FORMATIONS]
+
+
 def _with(package: str, mark: str) -> list[str]:
     names = sorted(found.modules(package))
     return [name for name in names if callable(getattr(found.load(package, name, package), mark, None))]
@@ -60,9 +75,9 @@ class TrialFields(NamedTuple):
         str,
         Parameter("", "Fine 2015, section 2.3.1: an obstacle-free corridor", published=True, named=world_names),
     ] = "corridor"
-    formation: Annotated[
-        str, Parameter("", "Fine 2015, figure 2.5, drawn without numbers", named=lambda: formations.FORMATIONS)
-    ] = "single-group"
+    formation: Annotated[str, Parameter("", "Fine 2015, figure 2.5, drawn without numbers", named=formation_names)] = (
+        "single-group"
+    )
 
 
 class GroupFields(NamedTuple):
@@ -75,7 +90,7 @@ class GroupFields(NamedTuple):
         Parameter(
             "",
             "a choice: `together` with the other groups in the trial's formation, or one of its own",
-            named=lambda: (TOGETHER, *formations.FORMATIONS),
+            named=own_formation_names,
         ),
     ] = TOGETHER
     start_x_m: Annotated[float, Parameter("m", "a choice: of the middle of a formation of its own")] = 0.0
@@ -86,9 +101,9 @@ class GroupFields(NamedTuple):
     sensors: Annotated[str, Parameter("", "noise of the laser's data sheet", choices=tuple(hokuyo.SETTINGS))] = (
         "datasheet"
     )
-    pipeline: Annotated[
-        str, Parameter("", "Fine 2015, section 2.2", published=True, named=lambda: found.modules(PIPELINES))
-    ] = "member-based"
+    pipeline: Annotated[str, Parameter("", "Fine 2015, section 2.2", published=True, named=pipeline_names)] = (
+        "member-based"
+    )
     selection: Annotated[str, Parameter("", "Fine 2015, table 3.1")] = "all"
     law: Annotated[str, Parameter("", "Fine 2015, algorithm 2", published=True)] = "extended-hamilton"
     speed_m_s: Annotated[

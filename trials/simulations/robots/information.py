@@ -4,7 +4,7 @@ from what a robot knows of itself.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from types import ModuleType
 from typing import Any, NamedTuple
 
@@ -50,13 +50,8 @@ def given(pipeline: ModuleType) -> frozenset[str]:
 def parameters_of(group: Group) -> Any:
     """The values with which a group of Creates runs its law: given, else for Creates, else the law's own."""
     module = lawentry.module_of(group.law, group.law_source)
-    given = for_creates(module, group.law_parameters)
+    given = {**getattr(module, "CREATE", {}), **group.law_parameters}
     return lawentry.parameters_of(group.law, module, given, f"{group.name}.law.")
-
-
-def for_creates(law: ModuleType, given: Mapping[str, Any]) -> dict[str, Any]:
-    """The given parameters over those that the law's file names for Creates."""
-    return {**getattr(law, "CREATE", {}), **given}
 
 
 def selections(group: Group) -> list[list[selection.Chosen]]:

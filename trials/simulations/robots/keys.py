@@ -21,13 +21,10 @@ FOR_CREATES = Parameter("", "for Creates: the law's file")
 def keys_of(trial: Trial, group: Group | None = None) -> list[Section]:
     """The keys of a trial of robots, or of one of its groups."""
     if group is None:
+        world = fields.world_of(trial).Parameters
         return [
             section("", fields.TrialFields, lambda: fields.of_trial(trial)._asdict()),
-            section(
-                "world.",
-                fields.world_of(trial).Parameters,
-                lambda: _all(fields.world_of(trial).Parameters, trial.world_parameters),
-            ),
+            section("world.", world, lambda: _all(world, trial.world_parameters)),
         ]
     law, pipeline = lawentry.module_of(group.law, group.law_source), fields.pipeline_of(group)
     creates = getattr(law, "CREATE", {})

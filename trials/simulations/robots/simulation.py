@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Mapping
 from pathlib import Path
 
+from flocking import found
 from trials.simulations.contract import Simulation
 from trials.simulations.robots import fields, herd, keys, worldfile
 from trials.simulations.robots.measures import ABOUT, HEADINGS, KEY_MEASURES
 from trials.types import Trial, TrialResult
+from worlds import formations
 
 MOMENT_S = 1.0
 """Simulated time in which every robot senses and acts a few times."""
@@ -62,6 +65,15 @@ def at_step(trial: Trial, step: int) -> str:
     return f"at {step * fields.of_trial(trial).timestep_s:.2f} s"
 
 
+def listed(kind: str) -> Mapping[str, object]:
+    """Its bodies, worlds and formations."""
+    if kind == "bodies":
+        return {name: found.load(fields.BODIES, name, "body") for name in fields.body_names()}
+    if kind == "worlds":
+        return {name: found.load(fields.WORLDS, name, "world") for name in fields.world_names()}
+    return {f"robots: {name}": function for name, function in formations.FORMATIONS.items()}
+
+
 SIMULATION = Simulation(
     keys_of=keys.keys_of,
     check=herd.check,
@@ -74,6 +86,7 @@ SIMULATION = Simulation(
     moment=moment,
     prepare=prepare,
     at_step=at_step,
+    listed=listed,
     constants=CONSTANTS,
     has_scans=True,
     world_xml=worldfile.world_xml,

@@ -126,7 +126,7 @@ def _newest(run: Run, experiment: str) -> Path | None:
 
 def _settings(trial: Trial, besides: Collection[str]) -> dict[str, Any]:
     """What a trial was run with, but for its conditions, formation and `besides`."""
-    from trials.simulations.robots.keys import rows
+    from trials.keys import rows
 
     left_out = (*KEYS, *besides)
     return {

@@ -30,5 +30,5 @@ CONDITIONS = {
 def base(repeat: int) -> Trial:
     """The case study's trial with sensors that do not err."""
     trial = detection_case_study.base(repeat)
-    groups = tuple(dataclasses.replace(group, sensors="ideal") for group in trial.groups)
+    groups = tuple(dataclasses.replace(group, setup={**group.setup, "sensors": "ideal"}) for group in trial.groups)
     return dataclasses.replace(trial, experiment="detection-ideal", groups=groups)

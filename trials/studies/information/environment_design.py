@@ -101,7 +101,7 @@ def finish(trial: Trial) -> Trial:
     (group,) = trial.groups
     if group.law == CONTROL:
         steps = law_survey.steps(law_survey.herd_of(BUMPER), LENGTH)
-        trial = dataclasses.replace(trial, kinematics={"steps": steps, **trial.kinematics})
+        trial = dataclasses.replace(trial, setup={"steps": steps, **trial.setup})
     if trial.world == FREE:
         return trial
     own = law_survey.herd_of(group.law).spacing_m

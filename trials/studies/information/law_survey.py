@@ -25,8 +25,8 @@ from flocking.lawentry import OF_MEMBERS
 from flocking.parameters import declared
 from flocking.perception import Step
 from flocking.taxonomy import Herd
-from trials.simulations.kinematic.fields import of_group, own_herd
-from trials.types import Group, Trial, Value
+from trials.simulations.kinematic.fields import group, of_group, own_herd
+from trials.types import Trial, Value
 
 LAW, CONTROL = "herd.law", "random-motion"
 ORDERING = frozenset({"shimoyama"})
@@ -112,7 +112,7 @@ def without_goals(trials: Iterable[Trial]) -> str:
 
 def herd_of(name: str) -> Herd:
     """The herd that a law's file declares."""
-    return own_herd(Group(law=name))
+    return own_herd(group(name, COUNT))
 
 
 def steps(herd: Herd, length: Length) -> int:
@@ -148,8 +148,8 @@ def finished(trial: Trial, length: Length, **of_group: Value) -> Trial:
         of_group = {**of_group, "speed_m_s": speed}
     else:
         of_trial = {"steps": steps(herd, length)}
-    group = dataclasses.replace(group, kinematics={**of_group, **group.kinematics})
-    return dataclasses.replace(trial, kinematics={**of_trial, **trial.kinematics}, groups=(group,))
+    group = dataclasses.replace(group, setup={**of_group, **group.setup})
+    return dataclasses.replace(trial, setup={**of_trial, **trial.setup}, groups=(group,))
 
 
 def wanted_laws(conditions: Mapping[str, Sequence[Any]]) -> list[str]:
