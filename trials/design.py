@@ -108,7 +108,11 @@ def plan(
             raise InputError(f"{key} is both set and swept; expected one of the two")
     conditions: dict[str, list[Any]] = {key: list(values) for key, values in module.CONDITIONS.items()}
     for group in module.base(1).groups:
-        for field, name_given in (("law", law), ("pipeline", pipeline), ("body", body)):
+        for field, kinds, name_given in (
+            ("law", "laws", law),
+            ("pipeline", "pipelines", pipeline),
+            ("body", "bodies", body),
+        ):
             if name_given is None:
                 continue
             key = f"{group.name}.{field}"
@@ -121,7 +125,7 @@ def plan(
                     f"--law {name_given} and --set {group.name}.obstacles={given}: expected one of the two"
                 )
             if not keys.has(module.base(1), key):
-                raise InputError(f"--{field} {name_given}: {name} has no {field} to choose")
+                raise InputError(f"--{field} {name_given}: {name} has no {kinds}; expected an experiment with {kinds}")
             settings[key] = name_given
     for key in [key for key in settings if key in conditions]:
         conditions[key] = [settings.pop(key)]

@@ -36,7 +36,7 @@ def put(trial: Trial, key: str, value: Any) -> Trial:
             return _placed(trial, _OF_TRIAL, prefix, name, value)
         changed = _group_with(group, prefix, name, value)
         return dataclasses.replace(trial, groups=(*trial.groups[:number], changed, *trial.groups[number + 1 :]))
-    raise unknown_name("parameter", key, [row.key for row in rows(trial)])
+    raise unknown_name("parameter", key, _nearby(trial, group, key))
 
 
 def rows(trial: Trial, sources: Mapping[str, Parameter] | None = None) -> list[Row]:
@@ -60,6 +60,17 @@ def _candidates(trial: Trial, group: Group | None, local: str) -> Iterator[tuple
     prefix, dot, name = local.rpartition(".")
     for section in simulations.of(trial).keys_of(trial, group):
         yield section, f"{prefix}{dot}", name
+
+
+def _nearby(trial: Trial, group: Group | None, key: str) -> list[str]:
+    """The keys that may be meant: those of the key's own section, or all that are shown."""
+    start = f"{group.name}." if group is not None else ""
+    prefix = key.removeprefix(start).rpartition(".")[0]
+    sections = simulations.of(trial).keys_of(trial, group) if prefix else []
+    own = [
+        f"{start}{each.prefix}{name}" for each in sections if each.prefix == f"{prefix}." for name in each.parameters
+    ]
+    return own or [row.key for row in rows(trial)]
 
 
 def _placed(kept: Any, places: Mapping[str, str], prefix: str, name: str, value: Any) -> Any:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -70,6 +70,14 @@ class Trial:
         fields = dict(data)
         fields["groups"] = tuple(Group(**group) for group in fields["groups"])
         return Trial(**fields)
+
+
+Kept = TypeVar("Kept", Group, Trial)
+
+
+def with_setup(kept: Kept, values: Mapping[str, Value]) -> Kept:
+    """A trial or a group with these entries of its setup, in place of its own of the same keys."""
+    return dataclasses.replace(kept, setup={**kept.setup, **values})
 
 
 class Measure(NamedTuple):

@@ -88,7 +88,7 @@ def planned(asked: Asked) -> tuple[Plan, list[Trial]]:
         simulations.check(trial)
     if asked.only is None:
         return made, made.trials
-    if asked.only[-1] > len(made.trials):
+    if not 1 <= asked.only[0] <= asked.only[-1] <= len(made.trials):
         raise InputError(f"--only {ranges(asked.only)!r}: expected trials from 1 to {len(made.trials)}")
     return made, [made.trials[index - 1] for index in asked.only]
 

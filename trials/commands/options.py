@@ -47,7 +47,7 @@ def only(text: str) -> tuple[int, ...]:
         first, last = int(match[1]), int(match[2] or match[1])
         if first > last:
             raise InputError(f"--only {text!r}: the range {part.strip()} ends before it begins")
-        if first < 1 or last > MAX_TRIALS:
+        if last > MAX_TRIALS:
             raise InputError(f"--only {text!r}: expected trials from 1 to {MAX_TRIALS}")
         indices.update(range(first, last + 1))
     return tuple(sorted(indices))

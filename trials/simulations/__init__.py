@@ -10,6 +10,7 @@ from pathlib import Path
 from flocking import found
 from flocking.errors import unknown_name
 from trials.simulations.contract import Simulation
+from trials.simulations.groups import check_names, check_setup
 from trials.types import Measure, Trial, TrialResult
 
 
@@ -35,6 +36,8 @@ def named(name: str) -> Simulation:
 
 def check(trial: Trial) -> None:
     """Refuses, before anything is run, a trial whose names and numbers do not fit one another: `InputError`."""
+    check_names(trial)
+    check_setup(trial, of(trial).keys_of)
     of(trial).check(trial)
 
 

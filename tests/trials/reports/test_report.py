@@ -167,7 +167,7 @@ def test_supplements_must_have_the_settings_of_the_run(tmp_path: Path) -> None:
         supplement(main, "detection-ideal", {}, ())
     ideal = made_up_run(_law, pipelines=("perfect", "member-based"), repeats=3, experiment="detection-ideal")
     ideal.trials = [
-        dataclasses.replace(t, groups=tuple(dataclasses.replace(g, sensors="ideal") for g in t.groups))
+        dataclasses.replace(t, groups=tuple(dataclasses.replace(g, setup={"sensors": "ideal"}) for g in t.groups))
         for t in ideal.trials
     ]
     (tmp_path / "detection-ideal").mkdir()

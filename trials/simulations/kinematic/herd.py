@@ -18,7 +18,6 @@ from flocking.lawentry import OF_MEMBERS
 from flocking.perception import Step
 from flocking.types import Bools, Floats, Ints
 from trials.simulations import spread
-from trials.simulations.groups import check_names
 from trials.simulations.kinematic import fields, formations, lattice_starts
 from trials.streams import Purpose, stream
 from trials.types import Group, Trial
@@ -64,7 +63,6 @@ def check(trial: Trial) -> None:
     """Refuses a trial whose names and numbers do not fit one another, without compiling anything: `InputError`."""
     if not trial.groups:
         raise InputError("the trial has no members: expected a group")
-    check_names(trial)
     for name, value, valid in (
         ("world", trial.world, fields.SPACES),
         ("formation", trial.formation, fields.FORMATIONS),

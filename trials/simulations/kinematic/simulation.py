@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -10,7 +9,7 @@ from trials.simulations.contract import Simulation
 from trials.simulations.kinematic import fields, herd, keys, loop
 from trials.simulations.kinematic.links import ABOUT as OF_LINKS
 from trials.simulations.kinematic.measures import ABOUT, KEY_MEASURES
-from trials.types import Trial, TrialResult
+from trials.types import Trial, TrialResult, with_setup
 
 MOMENT_STEPS = 2
 CONSTANTS = ("flocking.kinematic.detection", "flocking.kinematic.motion", "trials.simulations.kinematic.measures")
@@ -36,7 +35,7 @@ def limit_s(trial: Trial) -> float:
 
 def moment(trial: Trial) -> Trial:
     """The first two steps."""
-    return dataclasses.replace(trial, setup={**trial.setup, "steps": MOMENT_STEPS, "every": 1})
+    return with_setup(trial, {"steps": MOMENT_STEPS, "every": 1})
 
 
 def prepare() -> None:

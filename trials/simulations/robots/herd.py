@@ -22,7 +22,6 @@ from sensing import association
 from sensing.laser import hokuyo
 from sensing.types import PipelineState, WorldTruth
 from trials.simulations import spread
-from trials.simulations.groups import check_names
 from trials.simulations.robots import information
 from trials.simulations.robots.fields import (
     BODIES,
@@ -234,7 +233,6 @@ def check(trial: Trial) -> None:
     trial_fields = of_trial(trial)
     if not trial.groups:
         raise InputError("the trial has no robots: expected a group")
-    check_names(trial)
     ticks(SAMPLE_S, trial_fields.timestep_s, "the time between samples", at_least=1)
     for number, group in enumerate(trial.groups):
         given = of_group(group)

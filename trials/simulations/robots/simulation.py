@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -10,7 +9,7 @@ from flocking import found
 from trials.simulations.contract import Simulation
 from trials.simulations.robots import fields, herd, keys, worldfile
 from trials.simulations.robots.measures import ABOUT, HEADINGS, KEY_MEASURES
-from trials.types import Trial, TrialResult
+from trials.types import Trial, TrialResult, with_setup
 from worlds import formations
 
 MOMENT_S = 1.0
@@ -50,7 +49,7 @@ def limit_s(trial: Trial) -> float:
 def moment(trial: Trial) -> Trial:
     """The first second."""
     seconds = min(MOMENT_S, fields.of_trial(trial).duration_s)
-    return dataclasses.replace(trial, setup={**trial.setup, "duration_s": seconds})
+    return with_setup(trial, {"duration_s": seconds})
 
 
 def prepare() -> None:

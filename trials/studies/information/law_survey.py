@@ -26,7 +26,7 @@ from flocking.parameters import declared
 from flocking.perception import Step
 from flocking.taxonomy import Herd
 from trials.simulations.kinematic.fields import group, of_group, own_herd
-from trials.types import Trial, Value
+from trials.types import Trial, Value, with_setup
 
 LAW, CONTROL = "herd.law", "random-motion"
 ORDERING = frozenset({"shimoyama"})
@@ -148,7 +148,7 @@ def finished(trial: Trial, length: Length, **of_group: Value) -> Trial:
         of_group = {**of_group, "speed_m_s": speed}
     else:
         of_trial = {"steps": steps(herd, length)}
-    group = dataclasses.replace(group, setup={**of_group, **group.setup})
+    group = with_setup(group, {**of_group, **group.setup})
     return dataclasses.replace(trial, setup={**of_trial, **trial.setup}, groups=(group,))
 
 

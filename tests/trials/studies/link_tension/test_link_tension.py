@@ -300,7 +300,7 @@ def test_what_the_user_sets_stays() -> None:
     trial = design.plan("link-tension", repeats=1, settings={"steps": 7, "timestep_s": 0.1}).trials[0]
     assert fields.of_trial(trial).steps == 7
     swept = design.plan("link-tension", repeats=1, sweep={"herd.law.spring_per_s2": [1.0, 4.0]}).trials
-    assert {trial.links["stiffness_per_s2"] for trial in swept} == {1.0, 4.0}
+    assert {trial.setup["links.stiffness_per_s2"] for trial in swept} == {1.0, 4.0}
 
 
 def test_a_law_whose_links_are_not_known_is_refused() -> None:
