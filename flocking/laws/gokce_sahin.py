@@ -12,13 +12,12 @@ takes the place of h, so that a member alone turns to its goal by and by or, wit
 
 from __future__ import annotations
 
-import math
 from typing import Annotated, NamedTuple
 
 from flocking.laws.turgut import alignment, proximal, steered
 from flocking.parameters import Parameter
 from flocking.taxonomy import Filled, Herd, Taxonomy, Validation
-from flocking.terms import normal, rotated, unit
+from flocking.terms import normal, rotated, towards_goal
 from flocking.types import Bools, Floats, Kind, Members, Motion, Obstacles, Own
 
 SOURCE = "Gökçe and Şahin 2009"
@@ -99,8 +98,8 @@ def law(
     )
     x, y = x + parameters.proximal_weight * px, y + parameters.proximal_weight * py
     rule = 1 if heard + sensed > 0 else 0
-    if not math.isnan(own.goal[0]):
-        ux, uy = unit(own.goal[0], own.goal[1])
+    has_goal, ux, uy = towards_goal(own.goal)
+    if has_goal:
         home_x, home_y = rotated(ux, uy, parameters.homing_noise_rad * normal(u[0]))
         x += parameters.homing_weight * (home_x - 1.0)
         y += parameters.homing_weight * home_y

@@ -23,7 +23,7 @@ from typing import Annotated, NamedTuple
 
 from flocking.parameters import Parameter
 from flocking.taxonomy import Filled, Herd, Taxonomy, Validation
-from flocking.terms import mean_vector, unit
+from flocking.terms import mean_vector, towards_goal
 from flocking.types import Bools, Floats, Kind, Members, Motion, Obstacles, Own
 
 SOURCE = "Hodgins and Brogan 1994"
@@ -110,8 +110,8 @@ def law(
     if own.role == CONTROLLED_BY_USER:
         rule = 2 if found == 0 else 3
         nominal_x, nominal_y = parameters.nominal_m_s, 0.0
-        if not math.isnan(own.goal[0]):
-            ux, uy = unit(own.goal[0], own.goal[1])
+        has_goal, ux, uy = towards_goal(own.goal)
+        if has_goal:
             nominal_x, nominal_y = parameters.nominal_m_s * ux, parameters.nominal_m_s * uy
     elif found == 0:
         return Motion(Kind.HOLD, math.nan, math.nan, 0)
