@@ -24,7 +24,7 @@ FOR_CREATES = {
     "speed_m_s": 0.25,
     "alignment_s_m": 7.0,
 }
-"""The laws' parameters but for noise, with which iRobot Creates run them."""
+"""Parameter values that all of them have with iRobot Creates; the noise is each law's own."""
 BRACKET = Filled(
     "motion computation",
     "table A.1 closes the bracket of the distance in the wrong place and calls the member's position a region",

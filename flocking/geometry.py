@@ -18,7 +18,7 @@ def distance(positions: Floats, i: int, j: int) -> float:
 
 @compiled
 def line(positions: Floats, i: int, j: int) -> tuple[float, float, float]:
-    """Distance (m) from row i to row j of `positions` (M, 2), and the unit vector from i to j; they lie apart."""
+    """Distance (m) between rows i and j of `positions` (M, 2), and the unit vector from i to j; the two lie apart."""
     gap = distance(positions, i, j)
     return gap, (positions[j, 0] - positions[i, 0]) / gap, (positions[j, 1] - positions[i, 1]) / gap
 

@@ -22,6 +22,7 @@ TOUCHING = 7.0
 """The level that a sensor reads of a thing that touches the body; 0 is nothing in reach. No unit."""
 
 FOR_CREATES = {"range_m": 5.6, "sensed_m": 1.4, "touching_m": 0.35, "speed_m_s": 0.25}
+"""Parameter values that both laws have with iRobot Creates."""
 
 RangeM = Annotated[float, Parameter("m", "our choice: of the radio that tells headings", low=0.0)]
 SensedM = Annotated[float, Parameter("m", "our choice: infrared sensors that reach 0.2 m", low=0.0)]

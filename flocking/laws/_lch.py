@@ -22,6 +22,7 @@ from flocking.taxonomy import Filled
 from flocking.types import Kind, Motion
 
 FOR_CREATES = {"step_m": 0.33, "keeps_direction": True}
+"""Parameter values that all four have with iRobot Creates."""
 
 StepM = Annotated[
     float,
@@ -53,7 +54,7 @@ NOBODY = Filled(
 
 @compiled
 def step_along_mean(found: int, x: float, y: float, step_m: float, keeps_direction: bool) -> Motion:
-    """Way-point one step of `step_m` (m) along the mean (x, y) over `found` members."""
+    """Way-point one step of `step_m` (m) along the mean (x, y) over `found` members; rule "none" or "mean"."""
     if found > 0:
         return step_along(x, y, step_m, 1)
     if keeps_direction:

@@ -2,8 +2,8 @@
 
 Source: Gregoire, Chate and Tu 2003 (Physica D 181); Fine 2015, table A.1, "Model 2". Heading(t + dt) = direction of
 (alignment * sum of v_j + cohesion * sum of f_j + number * noise * e), with e a unit vector drawn evenly from all
-directions: whoever has neighbours that agree feels it less. Neighbours, speed, v_j, f_j and hard core are those of
-`gregoire_1`. Metres, seconds; one step is one second.
+directions: the more the neighbours agree, the less it counts beside the sum of the v_j. Neighbours, speed, v_j, f_j
+and hard core are those of `gregoire_1`. Metres, seconds; one step is one second.
 
 The sum of the v_j, and the number, take in the member itself. Needs positions and headings. No neighbours: the
 member's own velocity and noise.

@@ -7,7 +7,7 @@ A follower's new heading is the plain average of its own and those of the n memb
 own heading + the sum of the differences / (1 + n). A leader (role 1) keeps its heading. The speed is constant.
 Followers that are linked to a leader, over others and often enough, all take up its heading.
 
-Needs headings; the selection needs positions. It does not tell leaders from followers among them. No
+Needs headings; the selection needs positions. A member does not tell leaders from followers among its neighbours. No
 neighbours: the heading stays and the member moves on. Differences of heading are wrapped as in `jadbabaie`.
 """
 
