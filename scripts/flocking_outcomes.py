@@ -58,9 +58,9 @@ def _run(folder: Path) -> list[str]:
     for entry in entries[:MOST_ROWS]:
         low, high = (float("nan") if entry[key] is None else entry[key] for key in ("low", "high"))
         measured = "-" if entry["measured"] is None else shown_number(entry["measured"])
-        published = entry["published"] if entry["published"] is not None else "-"
         arm = f"{named(entry['arm'])}: " if "arm" in entry else ""
-        row = (published, f"{arm}{entry['quantity']}", measured, shown_interval(low, high) or "-", entry["n"] or "-")
+        interval = shown_interval(low, high) or "-"
+        row = (entry["claim"], f"{arm}{entry['quantity']}", measured, interval, entry["n"] or "-")
         lines.append(f"| {' | '.join(str(cell).replace('|', '/') for cell in row)} | {VERDICTS[entry['agrees']]} |")
     if len(entries) > MOST_ROWS:
         lines.append(f"\n… and {len(entries) - MOST_ROWS} more in the report.")

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from flocking.types import Floats
-from trials.evidence.claims import Run
+from trials.evidence.runs import Run
 from trials.evidence.statistics import mean_interval
 
 PART = "/"

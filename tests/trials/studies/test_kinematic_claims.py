@@ -12,7 +12,8 @@ import pytest
 
 from tests.trials.made_up_run import MadeUpRun, finished
 from trials import design
-from trials.evidence.claims import Entry, near, published
+from trials.evidence.claims import Entry, published
+from trials.evidence.outcomes import near
 
 Measures = Callable[[Mapping[str, Any]], Mapping[str, float]]
 """Conditions → means of the measures."""

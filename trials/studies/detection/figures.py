@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from flocking.errors import InputError
-from trials.evidence.claims import Run, arms
+from trials.evidence.runs import Run, arms
 from trials.reports import figures as draw
 from trials.reports.figures import Figure
 from trials.studies.detection.judges import EXCLUSION, KEYS, MEMBER, PIPELINE, SENSOR

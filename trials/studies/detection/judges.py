@@ -17,18 +17,9 @@ import numpy as np
 
 from flocking.types import Floats
 from trials.evidence import statistics
-from trials.evidence.claims import (
-    Cells,
-    Outcome,
-    UndecidedError,
-    above,
-    decided_by_all,
-    more,
-    published,
-    ratio,
-    same,
-    weakest,
-)
+from trials.evidence.claims import Judged, published
+from trials.evidence.outcomes import Outcome, above, decided_by_all, more, ratio, same, weakest
+from trials.evidence.runs import Cells, UndecidedError
 
 PIPELINE, EXCLUSION = "herd.pipeline", "herd.law.exclusion_m"
 KEYS = (PIPELINE, EXCLUSION)
@@ -79,15 +70,6 @@ class Data(NamedTuple):
     """Of `detection-ideal`; raises `UndecidedError` where there is no such run."""
     sweep: Callable[[], Cells]
     """Of `detection-exclusion-sweep`, likewise."""
-
-
-class Judged(NamedTuple):
-    """A claim after its tests."""
-
-    agrees: bool | None
-    shown: Outcome
-    outcomes: list[Outcome]
-    test: str
 
 
 LATER = "; an outcome added after data had been seen decides too"
