@@ -11,7 +11,7 @@ from __future__ import annotations
 from functools import partial
 from typing import NamedTuple
 
-from trials.evidence.claims import Entry, Judged, Question, answers
+from trials.evidence.claims import Entry, Judged, Question, answers, published
 from trials.evidence.runs import Cells, Run, UndecidedError
 from trials.studies.information import law_survey
 from trials.studies.information.abstraction_design import (
@@ -28,9 +28,6 @@ from trials.studies.information.abstraction_design import (
 from trials.studies.information.law_judges import IN_WORDS, Cell, alike, better, both, shared, verdict
 from trials.studies.information.law_survey import LAW
 
-SOURCE = "fine2015, section 4"
-WORDS = "information-abstracted: its behaviour does not depend on the type and detail of what it is told"
-LEFT_OPEN = "whether it is information-abstracted: left open"
 TEST = (
     "in each of the conditions every measure equivalent to perfect poses (two one-sided tests, paired) and better than "
     f"random motion (t test, paired); the number is the share of conditions for which that is shown; {IN_WORDS}"
@@ -54,11 +51,13 @@ def claims(run: Run) -> list[Entry]:
 
 
 def _questions(cells: Cells) -> list[Question]:
+    told = published(__package__, "fine2015", "information")
+    of_lch, _, of_others = told["claims"]
     return [
         Question(
-            source=SOURCE,
+            source=f"fine2015, section {told['sections'][0]}",
             quantity=f"{rule}, by {' and '.join(law_survey.judged_by(law_of(rule)))}",
-            claim=WORDS if rule == LCH else LEFT_OPEN,
+            claim=of_lch if rule == LCH else of_others,
             judge=partial(_judged, cells, rule),
         )
         for rule in rules_of(cells)

@@ -11,7 +11,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from trials.evidence.claims import Entry, Judged, Question, answers
+from trials.evidence.claims import Entry, Judged, Question, answers, published
 from trials.evidence.runs import Cells, Run, UndecidedError, arms
 from trials.reports import figures as draw
 from trials.reports.figures import Figure
@@ -27,8 +27,6 @@ KEYS = (LAW, DETAIL, DETECTION)
 DETECTIONS = PERFECT, *_ = ("perfect", "member-based", "member-extrapolated", "sensor-based")
 MEMBER_CENTRIC, GROUP_CENTRIC = "all", f"densest-distance({SPACING:g})"
 LAWS = (*VARIATIONS.values(), "extended-hamilton", "snn", "couzin")
-SOURCE = "fine2015, section 4"
-WORDS = "what members are told does not change what the group does"
 TEST = (
     "in each condition every measure equivalent to the same rule with poses from global knowledge (two one-sided "
     "tests, paired) and better than random motion (t test, paired); the number is the share for which that is shown; "
@@ -81,11 +79,13 @@ def claims(run: Run) -> list[Entry]:
 
 
 def _questions(cells: Cells) -> list[Question]:
+    told = published(__package__, "fine2015", "information")
+    words = told["claims"][1]
     return [
         Question(
-            source=SOURCE,
+            source=f"fine2015, section {told['sections'][1]}",
             quantity=law,
-            claim=WORDS if rule_of(law) == LCH else f"{WORDS}: left open",
+            claim=words if rule_of(law) == LCH else f"{words}: left open",
             judge=partial(_judged, cells, law, asked),
         )
         for law, asked in asked_of(cells).items()

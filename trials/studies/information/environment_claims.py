@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from functools import partial
 
 from trials.evidence import statistics
-from trials.evidence.claims import Entry, Judged, Question, answers
+from trials.evidence.claims import Entry, Judged, Question, answers, published
 from trials.evidence.outcomes import Outcome, above
 from trials.evidence.runs import Cells, Run, UndecidedError
 from trials.studies.information import law_survey
@@ -31,8 +31,6 @@ from trials.studies.information.law_survey import CONTROL, LAW, ORDER, SHARE, SP
 MEASURES = (SHARE, ORDER, SPREAD)
 FLOCKING = (SHARE, ORDER)
 """Of these either would do for contact to have made a flock."""
-KEEPS = "what the environment and asynchrony do to it: not investigated"
-CONTACT = "whether flocking can come of nothing but direct contact"
 TEST = (
     "in each setting no measure worse by its margin than in free space and in step (t tests, paired); the number is "
     f"the share of settings for which that is shown; {IN_WORDS}"
@@ -45,12 +43,14 @@ def claims(run: Run) -> list[Entry]:
 
 
 def _questions(cells: Cells) -> list[Question]:
+    told = published(__package__, "fine2015", "environment")
+    (losing, touching), (sections, section) = told["claims"], told["sections"]
     found = [
-        Question("fine2015, sections 3.5.2 and 9.1.1", law, KEEPS, partial(_kept, cells, law)) for law in laws_of(cells)
+        Question(f"fine2015, sections {sections}", law, losing, partial(_kept, cells, law)) for law in laws_of(cells)
     ]
     if BUMPER in cells.levels(LAW):
         found.append(
-            Question("fine2015, section 3.6.1", f"{BUMPER} less random motion", CONTACT, partial(_contact, cells))
+            Question(f"fine2015, section {section}", f"{BUMPER} less random motion", touching, partial(_contact, cells))
         )
     return found
 
