@@ -36,8 +36,7 @@ class Outcome(NamedTuple):
         return tuple(map(math.exp, numbers)) if self.ratio else numbers  # type: ignore[return-value]
 
     def in_margins(self) -> tuple[float, float, float]:
-        """Measured, low and high, less the threshold, in units of the margin: what a forest plot puts on one
-        axis."""
+        """Measured, low and high, less the threshold, in units of the margin: what a forest plot puts on one axis."""
         decision, scale = self.decision, self.margin
         return (
             (decision.measured - self.threshold) / scale,

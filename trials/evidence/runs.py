@@ -48,8 +48,7 @@ class UndecidedError(Exception):
 
 
 def arms(run: Run, keys: Sequence[str]) -> list[tuple[dict[str, Any], list[Trial]]]:
-    """The arms of a run: for each combination of the conditions other than `keys`, its values and its
-    trials."""
+    """The arms of a run: for each combination of the conditions other than `keys`, its values and its trials."""
     found: dict[tuple[tuple[str, Any], ...], list[Trial]] = {}
     for trial in run.trials:
         others = tuple((key, value) for key, value in trial.conditions.items() if key not in keys)
@@ -120,14 +119,12 @@ class Cells:
         return sum(row is not None and row.status != "done" for row in rows)
 
     def difference(self, measure: str, cell: tuple[Any, ...], other: tuple[Any, ...]) -> Floats:
-        """(n,) `measure` in `cell` minus that in `other`, paired by repeat; nan where one of the two is
-        missing."""
+        """(n,) `measure` in `cell` minus that in `other`, paired by repeat; nan where one of the two is missing."""
         first, second = self.values(measure, *cell), self.values(measure, *other)
         return np.array([first[repeat] - second[repeat] for repeat in sorted(first.keys() & second.keys())])
 
     def log_ratio(self, measure: str, cell: tuple[Any, ...], other: tuple[Any, ...]) -> Floats:
-        """(n,) natural logarithm of `measure` in `cell` over that in `other`; nan where either is not
-        positive."""
+        """(n,) natural logarithm of `measure` in `cell` over that in `other`; nan where either is not positive."""
         first, second = self.values(measure, *cell), self.values(measure, *other)
         pairs = np.array([(first[r], second[r]) for r in sorted(first.keys() & second.keys())]).reshape(-1, 2)
         with np.errstate(divide="ignore", invalid="ignore"):

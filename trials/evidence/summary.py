@@ -1,5 +1,4 @@
-"""A run's measures by cell: for each combination of conditions, the mean over its repeats with an
-interval."""
+"""A run's measures by cell: for each combination of conditions, the mean over its repeats with an interval."""
 
 from __future__ import annotations
 

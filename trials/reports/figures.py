@@ -165,8 +165,7 @@ def forest(entries: Sequence[Entry]) -> Canvas:
 
 
 def measures_by_cell(cells: Sequence[Cell], measures: Sequence[str], about: Mapping[str, Measure]) -> Canvas:
-    """Means with their 95 % intervals over the numeric condition with most values; a line for each of the
-    rest."""
+    """Means with their 95 % intervals over the numeric condition with most values; a line for each of the rest."""
     axis_key, lines = _lines(cells)
     canvas, axes = grid(len(measures), min(4, len(measures)), width=9.6, height=2.0)
     for axis, measure in zip(axes, measures, strict=True):

@@ -1,5 +1,4 @@
-"""`herd report`: what was published beside what was measured: on the terminal, as JSON, and as one page of
-HTML."""
+"""`herd report`: what was published beside what was measured: on the terminal, as JSON, and as one page of HTML."""
 
 from __future__ import annotations
 

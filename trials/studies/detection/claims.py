@@ -19,8 +19,7 @@ from trials.studies.detection.judges import JUDGES, KEYS, Data
 from trials.types import Trial
 
 Find = Callable[[Run, str, Mapping[str, Any], Collection[str]], Cells]
-"""(run, experiment, arm, keys in which its trials may differ) → the trials of a supplement, or
-`UndecidedError`."""
+"""(run, experiment, arm, keys in which its trials may differ) → the trials of a supplement, or `UndecidedError`."""
 
 
 def claims(run: Run, find: Find | None = None) -> list[Entry]:

@@ -40,8 +40,7 @@ PROPER_M = 0.5
 """The exclusion distance at which the publication sees HA behaviour (section 2.4.1)."""
 
 LARGEST_PROPER_M = 1.0
-"""Up to it the detections may be alike; far beyond, all three are alike for the trivial reason that all are
-SNN."""
+"""Up to it the detections may be alike; far beyond, all three are alike for the trivial reason that all are SNN."""
 
 # Margins: the smallest difference that an onlooker could be said to observe. Choices, with reasons in the docs.
 SHARE_MARGIN = 0.10
@@ -58,8 +57,7 @@ ACTS = ("share that acts as SNN", "acts_as_snn_share", SHARE_MARGIN)
 HEADS = ("HA share of the approaches", "effective_ha_share", SHARE_MARGIN)
 """Of the SNN and HA way-points: those that point elsewhere than at the nearest input."""
 BEHAVIOUR = (ACTS, HEADS, ("straightness", "straightness", STRAIGHTNESS_MARGIN))
-"""What an onlooker sees of the behaviour: what the robots do, where they head, and the line that SNN
-forms."""
+"""What an onlooker sees of the behaviour: what the robots do, where they head, and the line that SNN forms."""
 
 
 class Data(NamedTuple):
@@ -316,8 +314,7 @@ def _alike(cells: Cells, at: float, decides: bool = True) -> list[Outcome]:
 
 
 def _rougher(cells: Cells, pipeline: str, others: tuple[str, ...]) -> list[Outcome]:
-    """Ratios of the way-points' variances, each repeat's averaged (as logarithms) over the exclusion
-    distances."""
+    """Ratios of the way-points' variances, each repeat's averaged (as logarithms) over the exclusion distances."""
     outcomes = []
     for measure, name in (
         ("smoothness", "variance of the way-point about its drift"),
@@ -340,8 +337,7 @@ def _overall(cells: Cells, measure: str, pipeline: str, other: str) -> Floats:
 
 
 def _trend(cells: Cells, name: str, measure: str, levels: list[float]) -> Outcome:
-    """The slope of a measure with sensor-based detection over the exclusion distance, repeat by repeat; shown
-    only."""
+    """The slope of a measure with sensor-based detection over the exclusion distance, repeat by repeat; shown only."""
     each = [cells.values(measure, SENSOR, at) for at in levels]
     repeats = sorted(set.intersection(*(set(values) for values in each)))
     rows = np.array([[values[repeat] for values in each] for repeat in repeats]).reshape(len(repeats), len(levels))
