@@ -1,4 +1,4 @@
-"""Writes the outcomes of runs of the detection case study into docs/detection-case-study.md.
+"""Writes the outcomes of runs of the detection case study into docs/detection.md.
 
     python -m scripts.outcomes runs/detection-case-study/001 runs/detection-case-study/002 …
 
@@ -18,7 +18,7 @@ from trials.batch.store import opened
 from trials.reports.report import report
 from trials.reports.wording import VERDICTS
 
-PAGE = Path(__file__).parents[1] / "docs" / "detection-case-study.md"
+PAGE = Path(__file__).parents[1] / "docs" / "detection.md"
 BEGIN, END = "<!-- outcomes: begin", "<!-- outcomes: end -->"
 
 

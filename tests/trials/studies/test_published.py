@@ -56,6 +56,14 @@ def test_every_source_is_named_and_every_claim_has_its_section(study: str) -> No
                 assert all([*table["claims"], *table["sections"]])
 
 
+@pytest.mark.parametrize("study", STUDIES)
+def test_every_study_has_a_page_that_names_its_experiments(study: str) -> None:
+    text = (ROOT / "docs" / f"{study}.md").read_text(encoding="utf-8")
+    for name, module in design.experiments().items():
+        if module.split(".")[-2] == study:
+            assert f"herd run {name}" in text
+
+
 @pytest.fixture(autouse=True)
 def _no_runs(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """Away from any runs that a study could find beside its own."""
@@ -100,4 +108,4 @@ def test_no_placeholder_is_left_in_the_docs() -> None:
         text = page.read_text(encoding="utf-8")
         assert "TRIALS-" + "OUTPUT" not in text, page
         assert "SPEED-" + "TABLE" not in text, page
-    assert "| verdict |" in (ROOT / "docs/detection-case-study.md").read_text(encoding="utf-8")
+    assert "| verdict |" in (ROOT / "docs/detection.md").read_text(encoding="utf-8")

@@ -1,6 +1,6 @@
 """The claims of Fine 2015's detection case study (chapter 2) held against a run and its supplements.
 
-The tests stand in trials.studies.detection.judges, their reasons in docs/detection-case-study.md.
+The tests stand in trials.studies.detection.judges, their reasons in docs/detection.md.
 """
 
 from __future__ import annotations
