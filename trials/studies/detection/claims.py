@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any
 
 from flocking.errors import InputError
-from trials import simulations
 from trials.batch.store import newest, opened
 from trials.evidence.claims import Entry, answered, claim_of
 from trials.evidence.runs import Cells, Run, UndecidedError, arms
@@ -96,9 +95,11 @@ def _newest(run: Run, experiment: str) -> Path | None:
 
 def _settings(trial: Trial, besides: Collection[str]) -> dict[str, Any]:
     """What a trial was run with, but for its conditions, formation and `besides`."""
+    from trials.simulations.robots.keys import rows
+
     left_out = (*KEYS, *besides)
     return {
         row.key: row.value
-        for row in simulations.rows(trial)
+        for row in rows(trial)
         if row.key != "formation" and not any(row.key == key or row.key.startswith(f"{key}.") for key in left_out)
     }
