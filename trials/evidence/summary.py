@@ -1,5 +1,4 @@
-"""A run's measures by cell: for each combination of conditions, the mean over its repeats with an
-interval."""
+"""A run's measures by cell: for each combination of conditions, the mean over its repeats with an interval."""
 
 from __future__ import annotations
 
@@ -9,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from flocking.types import Floats
-from trials.evidence.claims import Run
+from trials.evidence.runs import Run
 from trials.evidence.statistics import mean_interval
 
 PART = "/"

@@ -1,5 +1,4 @@
-"""`herd report`: what was published beside what was measured: on the terminal, as JSON, and as one page of
-HTML."""
+"""`herd report`: what was published beside what was measured: on the terminal, as JSON, and as one page of HTML."""
 
 from __future__ import annotations
 
@@ -61,7 +60,21 @@ def _of_cells(experiment: str, found: Sequence[Cell]) -> list[Entry]:
             at: Mean = mean(cell, name)
             quantity = f"{named(cell.conditions)}: {name}"
             test = "mean over the repeats, 95 % t interval; nothing was published"
-            entries.append(Entry(experiment, quantity, "", at.measured, at.low, at.high, at.n, None, test, math.nan))
+            entries.append(
+                Entry(
+                    source=experiment,
+                    quantity=quantity,
+                    claim="",
+                    published="",
+                    measured=at.measured,
+                    low=at.low,
+                    high=at.high,
+                    n=at.n,
+                    agrees=None,
+                    test=test,
+                    margin=math.nan,
+                )
+            )
     return entries
 
 
@@ -118,7 +131,7 @@ def _claims_table(entries: Sequence[Entry], title: str) -> Any:
     table.add_column("n", justify="right")
     table.add_column("verdict", min_width=9)
     for entry in entries:
-        words = Text(f"{entry.published}\n")
+        words = Text(f"{entry.claim}\n")
         words.append(entry.quantity if math.isfinite(entry.measured) else entry.test, style="dim")
         interval = shown_interval(entry.low, entry.high).replace(", ", ",\n")
         measured = Text(shown_number(entry.measured))

@@ -89,7 +89,7 @@ def _claims(entries: Sequence[Entry]) -> str:
     rows = []
     for entry in entries:
         rows.append(
-            f"<tr><td>{escape(entry.source)}</td><td>{escape(str(entry.published))}</td>"
+            f"<tr><td>{escape(entry.source)}</td><td>{escape(entry.claim)}</td>"
             f"<td>{escape(entry.quantity)}<br><span class='small'>{escape(entry.test)}</span>{_outcomes(entry)}</td>"
             f"<td class='number'>{_measured(entry.measured, entry.low, entry.high)}</td>"
             f"<td class='number'>{shown_number(entry.margin)}</td>"

@@ -9,7 +9,7 @@ import numpy as np
 
 from flocking.errors import InputError
 from flocking.types import Floats
-from trials.evidence.claims import Run
+from trials.evidence.runs import Run
 from trials.evidence.statistics import mean_interval
 from trials.reports import figures as draw
 from trials.reports.figures import Canvas

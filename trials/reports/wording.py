@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from trials.batch.store import Store
@@ -61,7 +61,7 @@ def key_measures(store: Store, experiment: Any) -> tuple[str, ...]:
     return found
 
 
-def columns(store: Store, experiment: Any) -> dict[str, str]:
+def columns(store: Store, experiment: Any) -> Mapping[str, str]:
     """The measures of a run that fit on a terminal, and their headings."""
     return dict(headings_of(store.trials)) or {
         name: name.replace("_", "\n") for name in key_measures(store, experiment)

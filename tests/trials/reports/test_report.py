@@ -20,7 +20,7 @@ from synthetic import synthetic_result
 from flocking.errors import InputError
 from trials.batch import series, store
 from trials.batch.store import Row, Store
-from trials.evidence.claims import UndecidedError
+from trials.evidence.runs import UndecidedError
 from trials.evidence.summary import cells, mean, named
 from trials.reports import report
 from trials.reports.wording import shown_interval, shown_number

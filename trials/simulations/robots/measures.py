@@ -1,7 +1,7 @@
 """What is measured in one trial: numbers, each finite or nan (nan = there was nothing to measure it on).
 
 Source of what is measured: Fine 2015, sections 2.4 and 2.5 (inputs, behaviour, smoothness, false negatives
-and positives); the choices that it leaves open are named below and in docs/detection-case-study.md.
+and positives); the choices that it leaves open are named below and in docs/detection.md.
 """
 
 from __future__ import annotations

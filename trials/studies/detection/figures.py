@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import itertools
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from flocking.errors import InputError
-from trials.evidence.claims import Run, arms
+from trials.evidence.runs import Run, arms
 from trials.reports import figures as draw
-from trials.reports.figures import Figure
+from trials.reports.figures import Canvas, Figure
 from trials.studies.detection.judges import EXCLUSION, KEYS, MEMBER, PIPELINE, SENSOR
 from trials.types import Trial, TrialResult
 
@@ -64,7 +68,7 @@ def figures(run: Run, folder: Path) -> list[Figure]:
         rows.append((formation, [("start", first, 0.0), *ends]))
     found = [
         draw.save(
-            draw.inputs_over_time(inputs),
+            inputs_over_time(inputs),
             folder,
             "inputs",
             "Inputs' distances over time",
@@ -84,6 +88,37 @@ def figures(run: Run, folder: Path) -> list[Figure]:
         caption = "Each starting formation, and where it ends in the cells of figures 2.6 to 2.9. Discs are to scale."
         found.append(draw.save(draw.formations(rows), folder, "formations", "Formations", caption))
     return found
+
+
+def inputs_over_time(panels: Sequence[tuple[str, TrialResult | None]]) -> Canvas:
+    """Distances of all inputs over time, one panel a trial: one dot an input, one colour a robot.
+
+    As figures 2.6 to 2.9 of Fine 2015. A panel whose trial is None says so.
+    """
+    columns = min(2, len(panels))
+    canvas, axes = draw.grid(len(panels), columns, width=8.4, height=2.3, share=True)
+    farthest = 0.0
+    for axis, (title, result) in zip(axes, panels, strict=True):
+        axis.set_title(title, loc="left")
+        if result is None:
+            draw.absent(axis)
+            continue
+        updates = result.updates
+        of_update = np.repeat(np.arange(len(updates.times)), np.diff(updates.input_starts))
+        positions = updates.input_positions.astype(np.float64)
+        distances, who = np.hypot(positions[:, 0], positions[:, 1]), updates.robots[of_update]
+        times, made_up = updates.times[of_update], updates.input_owners < 0
+        axis.plot(times[made_up], distances[made_up], ",", color="black", alpha=0.5, rasterized=True)
+        for robot, colour in zip(range(len(result.robot_names)), itertools.cycle(draw.ROBOT_COLOURS), strict=False):
+            own = (who == robot) & ~made_up
+            axis.plot(times[own], distances[own], ",", color=colour, rasterized=True)
+        farthest = max(farthest, float(distances.max(initial=0.0)))
+    axes[0].set_ylim(0.0, 1.03 * farthest or 1.0)
+    for axis in axes[-columns:]:
+        axis.set_xlabel("time (s)")
+    for axis in axes[::columns]:
+        axis.set_ylabel("distance of inputs (m)")
+    return canvas
 
 
 def _cell_name(pipeline: Any, at: Any) -> str:

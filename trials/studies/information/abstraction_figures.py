@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from trials.evidence.claims import Cells, Run, UndecidedError, arms
+from trials.evidence.runs import Cells, Run, UndecidedError, arms
 from trials.reports import figures as draw
 from trials.reports.figures import Figure
 from trials.studies.information import law_survey

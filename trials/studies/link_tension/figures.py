@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from trials.evidence.claims import Run, arms, published
+from trials.evidence.claims import published
+from trials.evidence.runs import Run, arms
 from trials.evidence.statistics import mean_interval
 from trials.evidence.summary import named
 from trials.reports import figures as draw
