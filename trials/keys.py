@@ -67,10 +67,8 @@ def _nearby(trial: Trial, group: Group | None, key: str) -> list[str]:
     start = f"{group.name}." if group is not None else ""
     prefix = key.removeprefix(start).rpartition(".")[0]
     sections = simulations.of(trial).keys_of(trial, group) if prefix else []
-    own = [
-        f"{start}{each.prefix}{name}" for each in sections if each.prefix == f"{prefix}." for name in each.parameters
-    ]
-    return own or [row.key for row in rows(trial)]
+    own = [name for section in sections if section.prefix == f"{prefix}." for name in section.parameters]
+    return [f"{start}{prefix}.{name}" for name in own] or [row.key for row in rows(trial)]
 
 
 def _placed(kept: Any, places: Mapping[str, str], prefix: str, name: str, value: Any) -> Any:

@@ -8,6 +8,7 @@ import pytest
 
 from flocking.errors import InputError
 from trials import design
+from trials.simulations.robots import fields
 from trials.types import Trial
 
 EXPERIMENTS = design.experiment_names()

@@ -113,8 +113,9 @@ def test_a_flipped_byte_is_noticed(result: TrialResult) -> None:
 
 
 def test_a_newer_format_says_so(result: TrialResult, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(series, "FORMAT", 2)
+    now = series.FORMAT
+    monkeypatch.setattr(series, "FORMAT", now + 1)
     newer = series.pack(result)
-    monkeypatch.setattr(series, "FORMAT", 1)
-    with pytest.raises(InputError, match="format 2: this version reads format 1"):
+    monkeypatch.setattr(series, "FORMAT", now)
+    with pytest.raises(InputError, match=f"format {now + 1}: this version reads format {now}"):
         series.unpack(newer)

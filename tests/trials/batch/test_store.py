@@ -194,13 +194,13 @@ def test_a_newer_version_is_told(tmp_path: Path) -> None:
     new(tmp_path / "run").close()
     path = tmp_path / "run" / "run.json"
     told = path.read_text()
-    path.write_text(told.replace('"format": store.FORMAT', '"format": 2'))
-    refused(tmp_path / "run", "has format 2: this version reads 1")
+    path.write_text(told.replace(f'"format": {store.FORMAT}', f'"format": {store.FORMAT + 1}'))
+    refused(tmp_path / "run", f"has format {store.FORMAT + 1} and this version reads {store.FORMAT}")
     path.write_text(told)
     with sqlite3.connect(tmp_path / "run" / "results.sqlite") as connection:
-        connection.execute("PRAGMA user_version = 2")
+        connection.execute(f"PRAGMA user_version = {store.FORMAT + 1}")
     connection.close()
-    refused(tmp_path / "run", "has format 2, of a newer version")
+    refused(tmp_path / "run", f"has format {store.FORMAT + 1}, of a newer version")
 
 
 def test_a_missing_or_damaged_series_is_told(tmp_path: Path) -> None:

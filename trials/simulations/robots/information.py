@@ -5,19 +5,15 @@ from what a robot knows of itself.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from types import ModuleType
 from typing import Any, NamedTuple
 
-from flocking import found, lawentry, selection
+from flocking import lawentry, selection
 from flocking.errors import InputError
 from flocking.parameters import declared
 from flocking.perception import Step
-from trials.simulations.robots.fields import AS_LAW, PIPELINES, TWO_SCANS, of_group, pipeline_of
+from sensing.pipelines import INFERRED, OF_ITSELF, all_pipelines, given
+from trials.simulations.robots.fields import AS_LAW, TWO_SCANS, of_group, pipeline_of
 from trials.types import Group
-
-INFERRED = frozenset({"velocities", "headings"})
-"""What association makes of positions."""
-OF_ITSELF = frozenset({"compass", "goal", "contacts"})
 
 
 class Wanted(NamedTuple):
@@ -35,16 +31,6 @@ class Wanted(NamedTuple):
     def associate(self) -> bool:
         """Whether velocities or headings are to be inferred."""
         return bool(self.inferable)
-
-
-def pipelines() -> dict[str, ModuleType]:
-    """All member detections by name."""
-    return {name: found.load(PIPELINES, name, "pipeline") for name in found.modules(PIPELINES)}
-
-
-def given(pipeline: ModuleType) -> frozenset[str]:
-    """What a pipeline gives: its `GIVES`, or positions and bearings where it does not say."""
-    return frozenset(getattr(pipeline, "GIVES", {"positions", "bearings", "obstacles"}))
 
 
 def parameters_of(group: Group) -> Any:
@@ -93,7 +79,7 @@ def check(group: Group) -> None:
     ways = []
     if missing <= INFERRED and not associates:
         ways.append(f"association (--set {group.name}.association={TWO_SCANS})")
-    for name, pipeline in pipelines().items():
+    for name, pipeline in all_pipelines().items():
         has = given(pipeline)
         inferred = INFERRED if associates and "positions" in has else frozenset()
         if missing <= has | inferred:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import rerun.blueprint as rrb
-from numpy.typing import NDArray
 
 from flocking.types import Floats
 from trials.simulations.columns import TIMELINE
@@ -16,18 +15,9 @@ TRAIL_S = 15.0
 CONTACT_S = 1.5
 """How long a contact stays in sight."""
 
-ROBOT_COLOURS = np.array(
-    [0xE69F00FF, 0x56B4E9FF, 0x2FBF8FFF, 0xF0E442FF, 0xF0703AFF, 0xD58BB8FF, 0x7D9BFFFF, 0xB8C4CEFF], np.uint32
-)
-"""After Okabe and Ito 2008, which colour-blind people can tell apart; the dark ones lightened."""
 IDLE_COLOUR = 0x6B7280FF
 """Of the rule `none`."""
 RULE_COLOURS = (0x3B9BFFFF, 0xFFB000FF, 0xDC267FFF, 0x44C26DFF, 0xA678F0FF, 0x2ED1C9FF)
-
-
-def robot_colours(count: int) -> NDArray[np.uint32]:
-    """(N,) packed colours; they repeat beyond eight robots."""
-    return ROBOT_COLOURS[np.arange(count) % len(ROBOT_COLOURS)]
 
 
 def rule_names(result: TrialResult) -> list[str]:
