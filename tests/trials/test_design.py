@@ -7,6 +7,7 @@ import math
 import pytest
 
 from flocking.errors import InputError
+from robots import body
 from trials import design
 from trials.simulations.robots import keys
 from trials.types import Trial
@@ -75,8 +76,8 @@ class TestCaseStudy:
         ("settings", "words"),
         [
             ({"herd.law.repulsion": 0.5}, r"herd\.law\.repulsion_m"),
-            ({"herd.speed_m_s": 0.6}, "from 0.001 to 0.5"),
-            ({"herd.speed_m_s": math.nan}, "from 0.001 to 0.5"),
+            ({"herd.speed_m_s": 0.0}, "at least 0.001 in m/s"),
+            ({"herd.speed_m_s": math.nan}, "at least 0.001 in m/s"),
             ({"herd.pipeline": "sensorbased"}, "sensor-based"),
             ({"herd.sensors": "idael"}, "ideal"),
             ({"world": "coridor"}, "corridor"),
@@ -121,4 +122,4 @@ def test_show_gives_the_values_of_the_named_sensor_setting() -> None:
     assert rows["herd.sensors"] == "datasheet"
     assert rows.keys() == ideal.keys()
     assert rows != ideal
-    assert keys.valid("robots") == ["create"]
+    assert keys.valid("robots") == body.names()

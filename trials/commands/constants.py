@@ -12,10 +12,11 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-MODULES = (
-    "robots.create.model",
-    "robots.create.controller",
-    "robots.create.odometry",
+from robots import body as bodies
+from trials.simulations import is_kinematic
+from trials.types import Trial
+
+PHYSICAL_MODULES = (
     "robots.physics",
     "sensing.laser.readings",
     "sensing.laser.intensity",
@@ -29,6 +30,14 @@ KINEMATIC_MODULES = (
 )
 
 
+def modules_of(trial: Trial) -> list[str]:
+    """Those that a trial is computed with: of its bodies, each once, and of what all robots share."""
+    if is_kinematic(trial):
+        return list(KINEMATIC_MODULES)
+    of_bodies = [name for group in trial.groups for name in bodies.load(group.body).constants]
+    return [*dict.fromkeys(of_bodies), *PHYSICAL_MODULES]
+
+
 class Constant(NamedTuple):
     """One number of a module."""
 
@@ -37,7 +46,7 @@ class Constant(NamedTuple):
     remark: str
 
 
-def constants(modules: Sequence[str] = MODULES) -> list[Constant]:
+def constants(modules: Sequence[str]) -> list[Constant]:
     """Public numeric constants of the modules, in the order of their files."""
     return [constant for name in modules for constant in _of(name)]
 

@@ -10,9 +10,8 @@ from pathlib import Path
 from typing import Any
 
 from flocking import found
-from trials.commands.constants import KINEMATIC_MODULES, MODULES, constants
+from trials.commands.constants import constants, modules_of
 from trials.design import experiments
-from trials.simulations import is_kinematic
 from trials.types import Trial
 
 SHOWN_TRIALS = 12
@@ -40,8 +39,7 @@ def planned(plan: Any, chosen: Sequence[Trial]) -> str:
     ]
     lines = [f"{plan.experiment}: {plan.title}", "", *_table(("parameter", "value", "unit", "", "source"), rows), ""]
     fixed = [
-        (constant.name, f"{constant.value:g}", constant.remark)
-        for constant in constants(KINEMATIC_MODULES if is_kinematic(plan.trials[0]) else MODULES)
+        (constant.name, f"{constant.value:g}", constant.remark) for constant in constants(modules_of(plan.trials[0]))
     ]
     lines += [*_table(("constant, not to be set", "value", "unit and source"), fixed), ""]
     for factor, values in (*plan.conditions.items(), *plan.sweep.items()):

@@ -16,7 +16,7 @@ from flocking.errors import InputError
 from flocking.parameters import filled
 from flocking.selection import Chosen
 from flocking.types import Floats
-from robots.create import model
+from robots import body as bodies
 from sensing import association
 from sensing.laser import hokuyo
 from sensing.types import PipelineState, WorldTruth
@@ -31,7 +31,7 @@ from trials.types import Group, Trial
 from worlds import formations
 from worlds.assemble import World, build, prefix
 
-LAW, PIPELINE, BODY, WORLD = "flocking.laws", "sensing.pipelines", "robots", "worlds"
+PIPELINE, WORLD = "sensing.pipelines", "worlds"
 
 
 @dataclass
@@ -86,7 +86,7 @@ def assemble(trial: Trial, record: bool) -> Herd:
     if record or any("truth" not in r for r in reads):
         lasers = hokuyo.Lasers(
             world.model,
-            [f"{prefix(name)}laser" for name in names],
+            [f"{prefix(name)}{body.mount('laser').site}" for name, body in zip(names, world.bodies, strict=True)],
             [int(root) for root in world.fleet.root_bodies],
             [laser_parameters(group) for group in groups],
         )
@@ -101,8 +101,8 @@ def assemble(trial: Trial, record: bool) -> Herd:
         trial=trial,
         world=world,
         robots=robots,
-        radii=np.full(len(groups), model.RADIUS),
-        silhouettes=np.full(len(groups), model.SILHOUETTE_RADIUS),
+        radii=np.array([body.radius for body in world.bodies]),
+        silhouettes=np.array([body.silhouette_radius for body in world.bodies]),
         timestep=trial.timestep_s,
         needs_truth=frozenset(i for i, r in enumerate(reads) if "truth" in r),
     )
@@ -198,6 +198,7 @@ def _robot(
         range_rng=draw(Purpose.RANGE_NOISE),
         intensity_rng=draw(Purpose.INTENSITY_NOISE),
         reads=reads,
+        body=world.bodies[index],
         fleet=world.fleet,
         lasers=lasers,
         knowledge=Knowledge(
@@ -220,38 +221,45 @@ def _robot(
 def _pipeline_state(group: Group) -> PipelineState:
     pipeline = found.load(PIPELINE, group.pipeline, "pipeline")
     parameters = filled(pipeline.Parameters, group.pipeline_parameters, prefix=f"{group.name}.pipeline.")
-    return pipeline.start(parameters, member_model(group.body), model.LASER_HEIGHT, hokuyo.ANGLES)
+    height_m = bodies.load(group.body).mount("laser").height_m
+    return pipeline.start(parameters, member_model(group.body), height_m, hokuyo.ANGLES)
 
 
 @cache
 def member_model(body: str) -> mujoco.MjModel:
     """One robot alone: what a database of members is made from."""
-    return found.load(BODY, body, "body").spec().compile()
+    return bodies.load(body).spec().compile()
 
 
 def check(trial: Trial) -> None:
     """Refuses, before anything is built, a trial whose numbers do not fit one another.
 
-    Clocks must be whole numbers of physics steps, and no robot may be able to leave its world behind. Raises
-    `InputError`.
+    Clocks must be whole numbers of physics steps, no robot may be told to drive faster than its body can, and none may
+    be able to leave its world behind. Raises `InputError`.
     """
     ticks(SAMPLE_S, trial.timestep_s, "the time between samples", at_least=1)
     for number, group in enumerate(trial.groups):
         clock(group, trial.timestep_s)
         found.load(PIPELINE, group.pipeline, "pipeline")
-        found.load(BODY, group.body, "body")
+        body = bodies.load(group.body)
+        if group.speed_m_s > body.top_speed:
+            raise InputError(
+                f"{group.name}.speed_m_s = {group.speed_m_s:g}: expected at most {body.top_speed:g} m/s, the top speed "
+                f"of body {body.name!r}"
+            )
         laser_parameters(group)
         information.check(group)
         spread.check(trial, number, information.parameters_of(group)._asdict())
         ObstacleStage(group, frozenset())
     module = found.load(WORLD, trial.world, "world")
-    free_length = module.free_length(filled(module.Parameters, trial.world_parameters, prefix="world."))
+    radius = max(bodies.load(group.body).radius for group in trial.groups)
+    free_length = module.free_length(filled(module.Parameters, trial.world_parameters, prefix="world."), radius)
     count = sum(group.count for group in trial.groups)
     poses_w = formations.poses(trial.formation, count, stream(trial.seed, trial.repeat, 0, 0, Purpose.START))
-    fastest = max(min(group.speed_m_s, model.MAX_SPEED) for group in trial.groups)
+    fastest = max(group.speed_m_s for group in trial.groups)
     reach = float(np.abs(poses_w[:, 0]).max()) + fastest * trial.duration_s
     if reach > free_length:
-        needed = math.ceil(2 * (reach + model.RADIUS))
+        needed = math.ceil(2 * (reach + radius))
         raise InputError(
             f"world {trial.world!r} reaches {free_length:.1f} m to each side and a robot could go {reach:.1f} m; "
             f"expected a longer one: --set world.length_m={needed}"

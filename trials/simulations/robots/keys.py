@@ -9,7 +9,7 @@ from typing import Annotated, Any, NamedTuple
 from flocking import avoidance, found, lawentry, obstacle_selection, selection
 from flocking.errors import unknown_name
 from flocking.parameters import Parameter, checked, declared
-from robots.create import model
+from robots import body as bodies
 from sensing import association
 from sensing.laser import hokuyo
 from trials.rows import Row, added, rows_of, told
@@ -58,7 +58,7 @@ class GroupFields(NamedTuple):
     law: Annotated[str, Parameter("", "Fine 2015, algorithm 2", published=True)] = "extended-hamilton"
     speed_m_s: Annotated[
         float,
-        Parameter("m/s", "not published: half of the Create's top speed", low=0.001, high=model.MAX_SPEED),
+        Parameter("m/s", "not published: half of the Create's top speed; at most the body's", low=0.001),
     ] = 0.25
     rate_hz: Annotated[
         float, Parameter("Hz", "not published: the laser's scan rate (data sheet)", low=0.1, high=100.0)
@@ -230,8 +230,10 @@ def choose(package: str, name: str, kind: str) -> None:
 
 
 def valid(package: str) -> list[str]:
-    """Names of a package's modules that are what the package is for (a body has `spec`, a world `walls`)."""
-    marks = {"robots": "spec", "worlds": "walls"}
+    """Names of a package's modules that are what the package is for (a body has a `BODY`, a world `walls`)."""
+    if package == "robots":
+        return bodies.names()
+    marks = {"worlds": "walls"}
     found_names = sorted(found.modules(package))
     if package not in marks:
         return found_names
