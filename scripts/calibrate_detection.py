@@ -24,7 +24,7 @@ import mujoco
 import numpy as np
 
 from flocking.types import Bools, Floats
-from robots.create import model as create
+from robots import body as bodies
 from robots.physics import apply_options
 from sensing.laser.hokuyo import ANGLES, SETTINGS, STEP_RAD, Lasers
 from sensing.pipelines import sensor_based
@@ -36,6 +36,7 @@ from sensing.shapes.warping import nearest_shape
 from sensing.types import Scan, ScanTruth
 from worlds.walls import Walls, add_walls, closed
 
+CREATE = bodies.load("create")
 MEMBERS, BOXES, POSTS = 5, 3, 3
 OBJECTS = MEMBERS + BOXES + POSTS
 FORMS = ((32, 5), (16, 3), (16, 1), (12, 1), (8, 1), (6, 1))
@@ -81,14 +82,14 @@ def build(rng: np.random.Generator, setting: str) -> Scene:
     names = []
     for k in range(1 + MEMBERS):
         names.append(f"member-{k}/")
-        spec.attach(create.spec(), prefix=names[-1], frame=spec.worldbody.add_frame())
-    radii = [create.SILHOUETTE_RADIUS] * (1 + MEMBERS)
+        spec.attach(CREATE.spec(), prefix=names[-1], frame=spec.worldbody.add_frame())
+    radii = [CREATE.silhouette_radius] * (1 + MEMBERS)
     for k in range(BOXES + POSTS):
         names.append(f"thing-{k}/")
         body = spec.worldbody.add_body(name=f"{names[-1]}base")
         body.add_freejoint()
         body.add_site(
-            name=f"{names[-1]}laser", pos=(0, 0, create.LASER_HEIGHT)
+            name=f"{names[-1]}laser", pos=(0, 0, CREATE.mount("laser").height_m)
         )  # a robot to the truth: it is told apart
         paint = [rng.uniform(0.05, 0.95), 0.0]
         if k < BOXES:
@@ -146,8 +147,10 @@ def costs_by_owner(scan: Scan, truth: ScanTruth, state: Recogniser, split_m: flo
 def observe(models: int, scans: int, seed: int, setting: str) -> tuple[Outcomes, Floats, Floats]:
     """All outcomes, and the intensities of members' readings and of all others."""
     rng = np.random.default_rng(seed)
-    member, chosen = create.spec().compile(), recognition.Parameters()
-    states = [recogniser(chosen, member, create.LASER_HEIGHT, ANGLES, samples, band) for samples, band in FORMS]
+    member, chosen = CREATE.spec().compile(), recognition.Parameters()
+    states = [
+        recogniser(chosen, member, CREATE.mount("laser").height_m, ANGLES, samples, band) for samples, band in FORMS
+    ]
     is_member, distances, shares, costs = [], [], [], []
     bright: list[Floats] = []
     dark: list[Floats] = []

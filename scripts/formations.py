@@ -18,11 +18,12 @@ matplotlib.use("Agg")
 from matplotlib import pyplot as plt
 from matplotlib.patches import Circle
 
-from robots.create import model
+from robots import body
 from trials.design import plan
 from trials.streams import Purpose, stream
 from worlds import corridor, formations
 
+RADIUS = body.load("create").radius
 OUT = Path(__file__).parents[1] / "docs" / "formations.png"
 
 
@@ -34,8 +35,8 @@ def main() -> None:
     for axis, trial in zip(axes, repeats.values(), strict=True):
         rng = stream(trial.seed, trial.repeat, 0, 0, Purpose.START)
         for x, y, heading in formations.poses(trial.formation, sum(g.count for g in trial.groups), rng):
-            axis.add_patch(Circle((x, y), model.RADIUS, facecolor="#4c8cb5", edgecolor="#1d3f55"))
-            tip = 2.0 * model.RADIUS
+            axis.add_patch(Circle((x, y), RADIUS, facecolor="#4c8cb5", edgecolor="#1d3f55"))
+            tip = 2.0 * RADIUS
             axis.plot([x, x + tip * math.cos(heading)], [y, y + tip * math.sin(heading)], color="#1d3f55")
         for side in (-half_width, half_width):
             axis.axhline(side, color="0.35", linewidth=3)

@@ -13,8 +13,9 @@ import numpy as np
 from flocking import found
 from flocking.parameters import filled
 from flocking.types import Floats, Ints
-from robots import physics, touching
-from robots.create.fleet import Fleet
+from robots import body, physics, touching
+from robots.body import Body, Fleet
+from robots.fleets import fleet_of
 from worlds.walls import Walls, add_walls
 
 NEVER = -(10**9)
@@ -29,6 +30,9 @@ class World:
     model: mujoco.MjModel
     data: mujoco.MjData
     fleet: Fleet
+    """All robots, of one kind or of several."""
+    bodies: tuple[Body, ...]
+    """Of each robot."""
     walls: Walls
     names: tuple[str, ...]
     free_length: float
@@ -37,6 +41,7 @@ class World:
     _last_touch: Ints
     _began: Floats
     _release: int
+    _forces: Floats = field(default_factory=lambda: np.empty(0))
     contacts: list[tuple[float, ...]] = field(default_factory=list)
     """One row for each touch that began: time, robot, other (−1 = a wall), x, y."""
     observers: list[Callable[[mujoco.MjData], None]] = field(default_factory=list)
@@ -46,31 +51,25 @@ class World:
     def advance(self, to: int) -> None:
         """Steps physics until tick `to`: wheel ramps before every step, encoders and contacts after it."""
         model, data, fleet, step = self.model, self.data, self.fleet, mujoco.mj_step
-        contact = data.contact
         while self.tick < to:
             fleet.before_step(data)
             step(model, data)
-            fleet.after_step(data)
+            touched = fleet.after_step(data)
             self.tick += 1
-            if touching.any_hull(contact.geom, self._owners):
+            if touched:
                 self._note_touches()
             for observe in self.observers:
                 observe(data)
 
     def _note_touches(self) -> None:
         contact, data = self.data.contact, self.data
+        if len(self._forces) < data.ncon:
+            self._forces = np.empty(2 * data.ncon)
+        touching.normal_forces(contact.efc_address, contact.dim, data.efc_force, self._forces)
         count = touching.begun(
-            contact.geom,
-            contact.pos,
-            contact.efc_address,
-            contact.dim,
-            data.efc_force,
-            self._owners,
-            self._last_touch,
-            self.tick,
-            self._release,
+            contact.geom, contact.pos, self._forces, self._owners, self._last_touch, self.tick, self._release,
             self._began,
-        )
+        )  # fmt: skip
         if count:
             self.contacts += [(data.time, *row) for row in self._began[:count].tolist()]
 
@@ -83,24 +82,26 @@ def build(
     poses_w: Floats,
     timestep_s: float,
 ) -> World:
-    """The world of that name with one robot of each body at each pose (N, 3).
+    """The world of that name with a robot of the body `bodies[k]`, called `names[k]`, at each pose (N, 3).
 
     Raises `InputError` for an unknown world, body or parameter.
     """
+    kinds = tuple(body.load(name) for name in bodies)
     module = found.load("worlds", world, "world")
     parameters = filled(module.Parameters, world_parameters, prefix="world.")
     walls = module.walls(parameters)
     model = specification(walls, bodies, names, poses_w, timestep_s).compile()
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
-    fleet = Fleet(model, [prefix(name) for name in names])
+    fleet = fleet_of(model, kinds, [prefix(name) for name in names])
     return World(
         model=model,
         data=data,
         fleet=fleet,
+        bodies=kinds,
         walls=walls,
         names=tuple(names),
-        free_length=float(module.free_length(parameters)),
+        free_length=float(module.free_length(parameters, max(kind.radius for kind in kinds))),
         _owners=_geom_owners(model, fleet.root_bodies),
         _last_touch=np.full((len(names), len(names) + 1), NEVER, dtype=np.int64),
         _began=np.empty((_NEW_CONTACTS, 4)),
@@ -130,9 +131,9 @@ def specification(
         rgba=[0.92, 0.92, 0.9, 1.0],
     )
     add_walls(spec, walls)
-    for body, name, (x, y, heading) in zip(bodies, names, poses_w, strict=True):
+    for kind, name, (x, y, heading) in zip(bodies, names, poses_w, strict=True):
         frame = spec.worldbody.add_frame(pos=[x, y, 0.0], quat=[math.cos(heading / 2), 0.0, 0.0, math.sin(heading / 2)])
-        spec.attach(found.load("robots", body, "body").spec(), prefix=prefix(name), frame=frame)
+        spec.attach(body.load(kind).spec(), prefix=prefix(name), frame=frame)
     return spec
 
 
@@ -143,6 +144,6 @@ def _geom_owners(model: mujoco.MjModel, roots: Ints) -> Ints:
     for geom in range(model.ngeom):
         if not model.geom_contype[geom] & physics.HULL_MASK:
             continue
-        body = int(model.body_rootid[model.geom_bodyid[geom]])
-        owners[geom] = robots.get(body, len(robots))
+        root = int(model.body_rootid[model.geom_bodyid[geom]])
+        owners[geom] = robots.get(root, len(robots))
     return owners

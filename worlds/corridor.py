@@ -9,8 +9,10 @@ from __future__ import annotations
 from typing import Annotated, NamedTuple
 
 from flocking.parameters import Parameter
-from robots.create import model
 from worlds.walls import Walls, closed
+
+ROBOT_DIAMETER = 0.33
+"""m. Of the publication's robot, an iRobot Create; a test holds the body `create` to it."""
 
 
 class Parameters(NamedTuple):
@@ -19,7 +21,7 @@ class Parameters(NamedTuple):
     width_m: Annotated[
         float,
         Parameter("m", "Fine 2015, section 2.3.1: seven robot diameters", published=True, low=0.5, high=100.0),
-    ] = 7 * model.DIAMETER
+    ] = 7 * ROBOT_DIAMETER
     length_m: Annotated[
         float, Parameter("m", "so long that no trial of a minute reaches its end", low=2.0, high=10000.0)
     ] = 80.0
@@ -41,6 +43,6 @@ def walls(parameters: Parameters) -> Walls:
     return Walls(closed(corners), parameters.reflectance)
 
 
-def free_length(parameters: Parameters) -> float:
-    """How far a robot may go from the origin along x before it could meet an end, m."""
-    return parameters.length_m / 2 - model.RADIUS
+def free_length(parameters: Parameters, radius_m: float) -> float:
+    """How far a robot of that radius may go from the origin along x before it could meet an end, m."""
+    return parameters.length_m / 2 - radius_m

@@ -19,6 +19,6 @@ def walls(parameters: Parameters) -> Walls:
     return Walls(np.empty((0, 4)), 1.0)
 
 
-def free_length(parameters: Parameters) -> float:
+def free_length(parameters: Parameters, radius_m: float) -> float:
     """Infinite."""
     return math.inf

@@ -16,11 +16,12 @@ turns the robot at a / v, and β in v is what is left of it after the update. Ga
 from __future__ import annotations
 
 import math
+from typing import Any
 
 from flocking.angles import wrap
 from flocking.compilation import compiled
-from robots.create.drive import saturated
-from robots.create.model import MAX_SPEED
+from flocking.types import Kind
+from robots.create.drive import Gear, saturated
 
 TURN_GAIN = 2.0
 """K, 1/s; ?: with 0.1 s between updates, 0.05 s of latency and the wheels' ramps it does not overshoot."""
@@ -41,9 +42,13 @@ TURN_AWAY = math.radians(3.0)
 BEHIND = math.radians(150.0)
 """rad; ?: beyond it the side on which an aim lies does not change the way of turning."""
 
+FOLLOWS = frozenset(Kind)
+"""All kinds of `Motion`."""
+
 
 @compiled
 def follow(
+    gears: Any,
     kind: int,
     x: float,
     y: float,
@@ -54,9 +59,11 @@ def follow(
 ) -> tuple[float, float]:
     """Speed (m/s) and turn rate (rad/s) to command for a motion of that `Kind` with numbers x, y.
 
-    cruise: speed towards a way-point, m/s. speed_now, turn_rate_now: the command in force; hold returns it, and an
-    acceleration adds to it. dt: time to the next update, s.
+    gears (1,): what drives the robot, as `drive.recorded` makes it. cruise: speed towards a way-point, m/s. speed_now,
+    turn_rate_now: the command in force; hold returns it, and an acceleration adds to it. dt: time to the next update,
+    s.
     """
+    gear = gears[0]
     at_rest = speed_now == 0.0 and turn_rate_now == 0.0
     if kind == 0:  # hold
         return speed_now, turn_rate_now
@@ -65,20 +72,20 @@ def follow(
         if distance <= (DEPART if at_rest else ARRIVED):
             return 0.0, 0.0
         bearing = _kept_side(math.atan2(y, x), turn_rate_now)
-        return _steered(bearing, min(cruise, distance / APPROACH_TIME))
+        return _steered(gear, bearing, min(cruise, distance / APPROACH_TIME))
     if kind == 3:  # velocity
-        return _steered(_kept_side(math.atan2(y, x), turn_rate_now), math.hypot(x, y))
+        return _steered(gear, _kept_side(math.atan2(y, x), turn_rate_now), math.hypot(x, y))
     if kind == 4:  # heading
         bearing = _kept_side(wrap(x), turn_rate_now)
         near = abs(bearing) <= (TURN_AWAY if at_rest else AIMED)
-        return _limited(y * max(0.0, math.cos(bearing)), 0.0 if near else TURN_GAIN * bearing)
+        return _limited(gear, y * max(0.0, math.cos(bearing)), 0.0 if near else TURN_GAIN * bearing)
     if kind == 5:  # acceleration
         forward, sideways = speed_now + x * dt, y * dt
         speed = math.hypot(forward, sideways)
         bearing = _kept_side(math.atan2(sideways, forward), turn_rate_now)
         turn = bearing * min(1.0, speed / FADE_SPEED)
         turn = min(max(turn, -MAX_TURN_RATE * dt), MAX_TURN_RATE * dt)
-        return saturated(speed * max(0.0, math.cos(bearing - turn)), turn / dt, MAX_SPEED)
+        return saturated(gear, speed * max(0.0, math.cos(bearing - turn)), turn / dt)
     return 0.0, 0.0  # stop
 
 
@@ -91,12 +98,12 @@ def _kept_side(bearing: float, turn_rate_now: float) -> float:
 
 
 @compiled
-def _steered(bearing: float, speed: float) -> tuple[float, float]:
+def _steered(gear: Gear, bearing: float, speed: float) -> tuple[float, float]:
     turn_rate = TURN_GAIN * bearing * min(1.0, speed / FADE_SPEED)
-    return _limited(speed * max(0.0, math.cos(bearing)), turn_rate)
+    return _limited(gear, speed * max(0.0, math.cos(bearing)), turn_rate)
 
 
 @compiled
-def _limited(speed: float, turn_rate: float) -> tuple[float, float]:
+def _limited(gear: Gear, speed: float, turn_rate: float) -> tuple[float, float]:
     scale = 1.0 if abs(turn_rate) <= MAX_TURN_RATE else MAX_TURN_RATE / abs(turn_rate)
-    return saturated(speed * scale, turn_rate * scale, MAX_SPEED)
+    return saturated(gear, speed * scale, turn_rate * scale)

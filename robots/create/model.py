@@ -13,14 +13,17 @@ the wheels roll; what lasers and eyes see are plain cylinders and boxes.
 from __future__ import annotations
 
 import math
-from pathlib import Path
-from typing import NamedTuple
+from collections.abc import Sequence
+from typing import Any, NamedTuple
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from robots.physics import FLOOR_MASK, HULL_MASK, apply_options
+from robots.create import bumpers
+from robots.create.bumpers import Ring
+from robots.create.drive import Gear
+from robots.physics import FLOOR_MASK, HULL_MASK
 
 # Base ---------------------------------------------------------------------------------------------
 DIAMETER = 0.33  # m; C: Player's create driver
@@ -33,7 +36,7 @@ REAR_CLEARANCE = 0.0005  # m of the rear caster at rest: it only catches; ?
 CASTER_RADIUS = 0.015  # m; ?
 GROUND_CLEARANCE = 0.012  # m; ?
 DECK_HEIGHT = 0.065  # m, top of the base; ?
-BUMPER_HEIGHT = 0.045  # m, middle of the bumper's ring; ?
+BUMPER_HEIGHT = 0.045  # m, middle of the bumper's ring, for Creates of all sizes: so rings meet at their equators; ?
 BASE_MASS = 2.5  # kg with battery and wheels; S: models 2 to 2.5, the real machine 2.5 to 3
 WHEEL_MASS = 0.1  # kg, the turning part of one wheel; ?
 BATTERY_MASS = 0.5  # kg of the base's mass; ?
@@ -66,6 +69,7 @@ ROTOR_INERTIA = 5e-4  # kg m² at the wheel's axis, of motor and gear; ?
 TYRE_FRICTION = 0.6  # rubber on a smooth floor; ?
 BUMPER_FRICTION = 0.3  # plastic on paint; ?
 BUMPER_TRAVEL = 0.004  # m; ?: how far before the outline contact begins (see `BUMPER`)
+BUMPER_OVERLAP = 0.035  # m either side of the middle where both bits are set; ?: about 12 degrees
 
 
 class Part(NamedTuple):
@@ -124,8 +128,10 @@ PARTS = (
 # robot starts at rest, stands at z = 0, and its wheels roll on their nominal radius (a test reads this back). The
 # casters are softer, or braking would lift the front one for a step at a time. A slipping wheel hops by a fraction of
 # a millimetre: MuJoCo's convex friction couples sliding with lifting.
-TYRE = {"solref": (0.02, 1.0), "solimp": (0.99, 0.99, 0.001, 0.5, 2.0), "margin": 1.08e-5}
-CASTER = {"solref": (0.02, 1.0), "solimp": (0.9, 0.9, 0.001, 0.5, 2.0), "margin": 2.8e-5}
+TYRE = {"solref": (0.02, 1.0), "solimp": (0.99, 0.99, 0.001, 0.5, 2.0)}
+TYRE_MARGIN = 1.08e-5  # m; D
+CASTER = {"solref": (0.02, 1.0), "solimp": (0.9, 0.9, 0.001, 0.5, 2.0)}
+CASTER_MARGIN = 2.8e-5  # m; D
 # The bumper gives way: contact begins `BUMPER_TRAVEL` before the outline and grows stiff towards it, because at
 # 0.5 m/s a robot moves 5 mm in one step of 10 ms, and would stand that deep in a wall before any contact were found.
 BUMPER = {"solref": (0.02, 1.0), "solimp": (0.5, 0.95, 0.004, 0.5, 2.0), "margin": BUMPER_TRAVEL}
@@ -142,19 +148,61 @@ class Inertia(NamedTuple):
     """(3, 3) about the centre of mass, along the body's axes, kg m²."""
 
 
-XML = Path(__file__).with_name("create.xml")
+class Dimensions(NamedTuple):
+    """What differs from one size of Create to another; lengths in m, masses in kg."""
+
+    name: str
+    gear: Gear
+    ring: Ring
+    radius: float
+    """Of the outline."""
+    silhouette_radius: float
+    """Of what stands at the laser's height."""
+    parts: tuple[Part, ...]
+    """Of the base and its payload."""
+    laser: tuple[float, float, float]
+    """Of its site: x, y, height."""
+    wheel_width: float
+    wheel_mass: float
+    caster_x: float
+    """Of the front one; the rear one as far behind."""
+    caster_radius: float
+    rear_clearance: float
+    max_wheel_torque: float
+    """N m."""
+    tyre_margin: float
+    caster_margin: float
 
 
-def base_inertia() -> Inertia:
+DIMENSIONS = Dimensions(
+    name="create",
+    gear=Gear(AXLE_TRACK, WHEEL_RADIUS, MAX_SPEED, MAX_WHEEL_ACCELERATION),
+    ring=bumpers.ring(RADIUS, BUMPER_HEIGHT, BUMPER_OVERLAP),
+    radius=RADIUS,
+    silhouette_radius=SILHOUETTE_RADIUS,
+    parts=PARTS,
+    laser=(LASER_X, 0.0, LASER_HEIGHT),
+    wheel_width=WHEEL_WIDTH,
+    wheel_mass=WHEEL_MASS,
+    caster_x=CASTER_X,
+    caster_radius=CASTER_RADIUS,
+    rear_clearance=REAR_CLEARANCE,
+    max_wheel_torque=MAX_WHEEL_TORQUE,
+    tyre_margin=TYRE_MARGIN,
+    caster_margin=CASTER_MARGIN,
+)
+
+
+def base_inertia(parts: Sequence[Part] = PARTS) -> Inertia:
     """From the parts' masses and shapes: solid cylinders and boxes, moved by the parallel-axis theorem.
 
     The model's own inertia is MuJoCo's sum over the same parts; a test holds one against the other.
     """
-    masses = np.array([part.mass for part in PARTS])
-    places = np.array([part.position for part in PARTS])
+    masses = np.array([part.mass for part in parts])
+    places = np.array([part.position for part in parts])
     centre = masses @ places / masses.sum()
     tensor = np.zeros((3, 3))
-    for part, offset in zip(PARTS, places - centre, strict=True):
+    for part, offset in zip(parts, places - centre, strict=True):
         if len(part.size) == 3:
             x2, y2, z2 = np.square(part.size)
             own = np.array((y2 + z2, x2 + z2, x2 + y2)) / 12
@@ -165,22 +213,22 @@ def base_inertia() -> Inertia:
     return Inertia(float(masses.sum()), tuple(centre.tolist()), tensor)
 
 
-def spec() -> mujoco.MjSpec:
-    """One Create on the plane z = 0 at the origin, facing +x: no floor, no light, no solver options.
+def spec(dimensions: Dimensions = DIMENSIONS) -> mujoco.MjSpec:
+    """One robot on the plane z = 0 at the origin, facing +x: no floor, no light, no solver options.
 
     Body `base` with the free joint `root`; bodies, joints and actuators `left` and `right` of the wheels
-    (control: wheel speed, rad/s); touch sensors `bumper_left`, `bumper_right` (N); site `laser`. To be
+    (control: wheel speed, rad/s); sites `laser`, and `bumper_left`, `bumper_right` where the bumpers feel. To be
     attached to a world.
     """
     robot = mujoco.MjSpec()
-    robot.modelname = "create"
+    robot.modelname = dimensions.name
     base = robot.worldbody.add_body(name="base")
     base.add_freejoint(name="root")
-    for part in PARTS:
+    for part in dimensions.parts:
         _add_part(base, part)
-    kind = mujoco.mjtGeom
+    sphere, ring = mujoco.mjtGeom.mjGEOM_SPHERE, dimensions.ring
     base.add_geom(
-        name="hull", type=kind.mjGEOM_SPHERE, size=(RADIUS, 0, 0), pos=(0, 0, BUMPER_HEIGHT), mass=0.0,
+        name="hull", type=sphere, size=(dimensions.radius, 0, 0), pos=(0, 0, ring.height), mass=0.0,
         contype=HULL_MASK, conaffinity=HULL_MASK, condim=3, priority=1,
         friction=(BUMPER_FRICTION, 0, 0), rgba=(0, 0, 0, 0), group=3, userdata=DARK, **BUMPER,
     )  # fmt: skip
@@ -190,16 +238,21 @@ def spec() -> mujoco.MjSpec:
         "priority": 1,
         "userdata": DARK,
     }
-    for name, x, z in (("front_caster", CASTER_X, 0.0), ("rear_caster", -CASTER_X, REAR_CLEARANCE)):
+    for name, x, z in (
+        ("front_caster", dimensions.caster_x, 0.0),
+        ("rear_caster", -dimensions.caster_x, dimensions.rear_clearance),
+    ):
         base.add_geom(
-            name=name, type=kind.mjGEOM_SPHERE, size=(CASTER_RADIUS, 0, 0), pos=(x, 0, z + CASTER_RADIUS),
-            mass=0.0,
-            condim=1, rgba=(0.2, 0.2, 0.2, 1), **gear, **CASTER,
+            name=name, type=sphere, size=(dimensions.caster_radius, 0, 0), pos=(x, 0, z + dimensions.caster_radius),
+            mass=0.0, condim=1, rgba=(0.2, 0.2, 0.2, 1), margin=dimensions.caster_margin, **gear, **CASTER,
         )  # fmt: skip
     for name, side in (("left", 1.0), ("right", -1.0)):
-        _add_wheel(robot, base, name, side * AXLE_TRACK / 2, gear)
-        _add_bumper(robot, base, f"bumper_{name}", side)
-    base.add_site(name="laser", pos=(LASER_X, 0, LASER_HEIGHT), size=(0.005, 0.005, 0.005))
+        _add_wheel(robot, base, dimensions, name, side * dimensions.gear.axle_track / 2, gear)
+        zone = bumpers.zone(ring, side)
+        base.add_site(
+            name=f"bumper_{name}", type=mujoco.mjtGeom.mjGEOM_BOX, group=4, size=zone.half_lengths, pos=zone.centre
+        )
+    base.add_site(name="laser", pos=dimensions.laser, size=(0.005, 0.005, 0.005))
     return robot
 
 
@@ -212,55 +265,22 @@ def _add_part(base: mujoco.MjsBody, part: Part) -> None:
     )  # fmt: skip
 
 
-def _add_wheel(robot: mujoco.MjSpec, base: mujoco.MjsBody, name: str, y: float, gear: dict) -> None:
-    wheel = base.add_body(name=name, pos=(0, y, WHEEL_RADIUS))
+def _add_wheel(
+    robot: mujoco.MjSpec, base: mujoco.MjsBody, dimensions: Dimensions, name: str, y: float, gear: dict[str, Any]
+) -> None:
+    radius = dimensions.gear.wheel_radius
+    wheel = base.add_body(name=name, pos=(0, y, radius))
     wheel.add_joint(name=name, axis=(0, 1, 0), armature=ROTOR_INERTIA)
     wheel.add_geom(
-        name=f"{name}_rim", type=mujoco.mjtGeom.mjGEOM_CYLINDER, size=(WHEEL_RADIUS, WHEEL_WIDTH / 2, 0),
-        quat=(math.sqrt(0.5), math.sqrt(0.5), 0, 0), mass=WHEEL_MASS, contype=0, conaffinity=0,
+        name=f"{name}_rim", type=mujoco.mjtGeom.mjGEOM_CYLINDER, size=(radius, dimensions.wheel_width / 2, 0),
+        quat=(math.sqrt(0.5), math.sqrt(0.5), 0, 0), mass=dimensions.wheel_mass, contype=0, conaffinity=0,
         rgba=(0.1, 0.1, 0.1, 1), userdata=DARK,
     )  # fmt: skip
     wheel.add_geom(
-        name=f"{name}_tyre", type=mujoco.mjtGeom.mjGEOM_SPHERE, size=(WHEEL_RADIUS, 0, 0), mass=0.0, condim=3,
-        friction=(TYRE_FRICTION, 0, 0), rgba=(0, 0, 0, 0), group=3, **gear, **TYRE,
+        name=f"{name}_tyre", type=mujoco.mjtGeom.mjGEOM_SPHERE, size=(radius, 0, 0), mass=0.0, condim=3,
+        friction=(TYRE_FRICTION, 0, 0), rgba=(0, 0, 0, 0), group=3, margin=dimensions.tyre_margin, **gear, **TYRE,
     )  # fmt: skip
     servo = robot.add_actuator(name=name, target=name, trntype=mujoco.mjtTrn.mjTRN_JOINT)
     servo.set_to_velocity(kv=WHEEL_SERVO_GAIN)
     servo.forcelimited = True
-    servo.forcerange = (-MAX_WHEEL_TORQUE, MAX_WHEEL_TORQUE)
-
-
-BUMPER_OVERLAP = 0.035  # m either side of the middle where both bits are set; ?: about 12 degrees
-
-
-def _add_bumper(robot: mujoco.MjSpec, base: mujoco.MjsBody, name: str, side: float) -> None:
-    """Half of the front ring as a touch sensor: from the middle (and a little over) to the axle."""
-    reach = RADIUS + 0.02
-    base.add_site(
-        name=name, type=mujoco.mjtGeom.mjGEOM_BOX, group=4,
-        size=(reach / 2, (reach + BUMPER_OVERLAP) / 2, 0.03),
-        pos=(reach / 2, side * (reach - BUMPER_OVERLAP) / 2, BUMPER_HEIGHT),
-    )  # fmt: skip
-    robot.add_sensor(name=name, type=mujoco.mjtSensor.mjSENS_TOUCH, objtype=mujoco.mjtObj.mjOBJ_SITE, objname=name)
-
-
-def scene() -> mujoco.MjSpec:
-    """One Create on a floor with a light: what `create.xml` holds."""
-    world = spec()
-    apply_options(world)
-    floor = world.worldbody.add_geom(name="floor", type=mujoco.mjtGeom.mjGEOM_PLANE, size=(0, 0, 1))
-    floor.contype, floor.conaffinity = FLOOR_MASK, 0
-    floor.rgba = (0.55, 0.57, 0.6, 1)
-    world.worldbody.add_light(pos=(0, 0, 3), dir=(0, 0, -1))
-    return world
-
-
-def xml() -> str:
-    """The text of `create.xml`."""
-    world = scene()
-    world.compile()
-    return str(world.to_xml())
-
-
-if __name__ == "__main__":
-    XML.write_text(xml(), encoding="utf-8")
+    servo.forcerange = (-dimensions.max_wheel_torque, dimensions.max_wheel_torque)

@@ -14,7 +14,7 @@ from __future__ import annotations
 import math
 
 from flocking.compilation import compiled
-from robots.create.model import AXLE_TRACK, WHEEL_RADIUS
+from robots.create.drive import Gear
 
 POLLING = 0.015
 """s between requests. P: the Open Interface's data period."""
@@ -24,10 +24,10 @@ WHOLE = 1e-3
 
 
 @compiled
-def request(left_rad: float, right_rad: float) -> tuple[float, float]:
+def request(gear: Gear, left_rad: float, right_rad: float) -> tuple[float, float]:
     """Distance (whole mm) and angle (whole degrees) reported for the wheels' rotations since the last request."""
-    distance = 500.0 * WHEEL_RADIUS * (left_rad + right_rad)
-    angle = math.degrees(WHEEL_RADIUS * (right_rad - left_rad) / AXLE_TRACK)
+    distance = 500.0 * gear.wheel_radius * (left_rad + right_rad)
+    angle = math.degrees(gear.wheel_radius * (right_rad - left_rad) / gear.axle_track)
     return _whole(distance), _whole(angle)
 
 

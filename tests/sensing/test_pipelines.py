@@ -9,16 +9,18 @@ import pytest
 from scipy.integrate import quad
 
 from flocking.types import Own
-from robots.create import model
+from robots import body
 from sensing.pipelines import member_based, member_extrapolated, sensor_based
 from sensing.shapes import recognition
 from sensing.types import NOBODY, Detection, Scan, Senses
 
+CREATE = body.load("create")
+
 STEP = 2.0 * math.pi / 1024
 ANGLES = STEP * (np.arange(682) - 340.5)
-R = model.SILHOUETTE_RADIUS
+R = CREATE.silhouette_radius
 OWN = Own(np.zeros(2), 0.0, math.nan, np.full(2, np.nan), np.zeros(2, np.bool_), 0.1, 0, 0)
-MODEL = model.spec().compile()
+MODEL = CREATE.spec().compile()
 BRIGHT, DARK = 100.0, 0.5
 
 
@@ -49,7 +51,7 @@ def seen(discs=(), segments=(), reach: float = 5.6, turn: float = 0.0, noise=Non
 
 
 def run(pipeline, ranges, intensities=None, **parameters) -> Detection:
-    state = pipeline.start(pipeline.Parameters(**parameters), MODEL, model.LASER_HEIGHT, ANGLES)
+    state = pipeline.start(pipeline.Parameters(**parameters), MODEL, CREATE.mount("laser").height_m, ANGLES)
     intensities = np.full(len(ANGLES), np.nan) if intensities is None else intensities
     detection, _ = pipeline.detect(Senses(Scan(0.0, ANGLES, ranges, intensities), None), OWN, state)
     return detection
@@ -150,7 +152,7 @@ def test_a_scan_without_readings_detects_nothing(pipeline, code):
 @pytest.mark.parametrize("pipeline", [member_based, member_extrapolated, sensor_based])
 def test_a_single_beam_or_none(pipeline):
     for angles in (np.array([0.1]), np.empty(0)):
-        state = pipeline.start(pipeline.Parameters(), MODEL, model.LASER_HEIGHT, angles)
+        state = pipeline.start(pipeline.Parameters(), MODEL, CREATE.mount("laser").height_m, angles)
         scan = Scan(0.0, angles, np.full(len(angles), 2.0), np.full(len(angles), DARK))
         found, _ = pipeline.detect(Senses(scan, None), OWN, state)
         assert len(found.members.positions) == 0

@@ -11,11 +11,13 @@ import pytest
 from flocking import found
 from flocking.parameters import declared
 from flocking.types import Own
-from robots.create import model
+from robots import body
 from sensing.types import NOBODY, Scan, Senses, WorldTruth
 
+CREATE = body.load("create")
+
 ANGLES = 2.0 * math.pi / 1024 * (np.arange(682) - 340)
-MODEL = model.spec().compile()
+MODEL = CREATE.spec().compile()
 OWN = Own(np.zeros(2), 0.0, math.nan, np.full(2, np.nan), np.zeros(2, np.bool_), 0.1, 0, 0)
 NAMES = found.modules("sensing.pipelines")
 
@@ -56,7 +58,7 @@ def only_what_it_reads(senses: Senses, reads: frozenset[str]) -> Senses:
 
 
 def begin(pipeline):
-    return pipeline.start(pipeline.Parameters(), MODEL, model.LASER_HEIGHT, ANGLES)
+    return pipeline.start(pipeline.Parameters(), MODEL, CREATE.mount("laser").height_m, ANGLES)
 
 
 def arrays(detection) -> list[np.ndarray]:

@@ -12,12 +12,14 @@ from numpy.testing import assert_allclose
 from flocking import found
 from flocking.errors import InputError
 from flocking.parameters import declared
-from robots.create import model as create
+from robots import body
 from trials.simulations.robots.keys import valid
 from worlds import assemble, corridor, formations
 from worlds.walls import HEIGHT, Walls, closed
 
 WORLDS = valid("worlds")
+CREATE = body.load("create")
+DIAMETER = 2.0 * CREATE.radius
 TIMESTEP = 0.01
 
 
@@ -51,8 +53,8 @@ class TestEveryFormation:
         for seed in range(20):
             poses_w = formations.poses(name, 6, np.random.default_rng(seed))
             gaps = np.hypot(*(poses_w[:, None, :2] - poses_w[None, :, :2]).transpose(2, 0, 1))
-            assert gaps[~np.eye(6, dtype=bool)].min() > create.DIAMETER
-            assert np.abs(poses_w[:, 1]).max() < half_width - create.RADIUS
+            assert gaps[~np.eye(6, dtype=bool)].min() > DIAMETER
+            assert np.abs(poses_w[:, 1]).max() < half_width - CREATE.radius
 
     def test_the_same_stream_gives_the_same_start(self, name: str) -> None:
         first, second = (formations.poses(name, 6, np.random.default_rng(4)) for _ in range(2))
@@ -93,8 +95,9 @@ class TestWalls:
             assert reach == pytest.approx(inradius, abs=1e-9)
 
     def test_the_corridor_is_seven_robot_diameters_wide(self) -> None:
+        assert corridor.ROBOT_DIAMETER == DIAMETER
         walls = corridor.walls(corridor.Parameters())
-        assert np.ptp(walls.segments[:, 1]) == pytest.approx(7 * create.DIAMETER)
+        assert np.ptp(walls.segments[:, 1]) == pytest.approx(7 * DIAMETER)
 
 
 class TestContacts:
@@ -106,8 +109,8 @@ class TestContacts:
         assert pairs == {(0.0, 1.0)}
         time, _, _, x, _ = world.contacts[0]
         # the gap between the hulls is closed at 0.3 m/s after the wheels' ramp
-        assert (1.0 - create.DIAMETER) / 0.3 < time < (1.0 - create.DIAMETER) / 0.3 + 0.5
-        assert x == pytest.approx(1.0 - create.RADIUS, abs=0.01)
+        assert (1.0 - DIAMETER) / 0.3 < time < (1.0 - DIAMETER) / 0.3 + 0.5
+        assert x == pytest.approx(1.0 - CREATE.radius, abs=0.01)
 
     def test_a_wall_is_told_from_a_robot(self) -> None:
         world = built()
@@ -117,9 +120,9 @@ class TestContacts:
         world.advance(to=900)
         assert {row[2] for row in world.contacts} == {-1.0}
 
-    @pytest.mark.parametrize("apart", [2.0 - create.DIAMETER, 0.02, 0.009, 0.007, 0.004])
+    @pytest.mark.parametrize("apart", [2.0 - DIAMETER, 0.02, 0.009, 0.007, 0.004])
     def test_robots_that_stand_apart_do_not_touch(self, apart: float) -> None:
         """MuJoCo lists a contact from 8 mm on (the bumpers' travel of both): nobody presses on anybody yet."""
-        world = built(gap=create.DIAMETER + apart)
+        world = built(gap=DIAMETER + apart)
         world.advance(to=5)
         assert (world.contacts == []) == (apart > 0.0075)

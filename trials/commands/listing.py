@@ -49,7 +49,7 @@ def planned(plan: Any, chosen: Sequence[Trial]) -> str:
     lines = [f"{plan.experiment}: {plan.title}", "", *_table(("parameter", "value", "unit", "", "source"), rows), ""]
     fixed = [
         (constant.name, f"{constant.value:g}", constant.remark)
-        for constant in constants(simulations.of(plan.trials[0]).constants)
+        for constant in constants(simulations.of(plan.trials[0]).constants(plan.trials[0]))
     ]
     lines += [*_table(("constant, not to be set", "value", "unit and source"), fixed), ""]
     for factor, values in (*plan.conditions.items(), *plan.sweep.items()):

@@ -46,8 +46,8 @@ class Simulation:
     """When a step is, in words: `at 0.50 s`."""
     listed: Callable[[str], Mapping[str, object]]
     """(kind: `bodies`, `worlds` or `formations`) → by the name that `herd list` shows, what its docstring tells of."""
-    constants: tuple[str, ...] = ()
-    """Modules whose constants `herd show` lists."""
+    constants: Callable[[Trial], list[str]]
+    """Modules whose constants `herd show` lists with a trial."""
     has_scans: bool = False
     """Whether there are scans that a recording can keep."""
     world_xml: Callable[[Trial], str] | None = None

@@ -6,11 +6,19 @@ import mujoco
 import numpy as np
 import pytest
 
-from robots.create import model
+from robots.create import bumpers, model
 from robots.create.model import RADIUS
 
 WALL = (1.5, 0.0, 0.5, 5.0)
 """Its face stands at x = 1."""
+
+
+def with_touch_sensors(spec: mujoco.MjSpec) -> None:
+    """Adds MuJoCo's own touch sensors to all bumpers' zones."""
+    for site in spec.sites:
+        if "bumper" in site.name:
+            kind, of = mujoco.mjtSensor.mjSENS_TOUCH, mujoco.mjtObj.mjOBJ_SITE
+            spec.add_sensor(name=site.name, type=kind, objtype=of, objname=site.name)
 
 
 def depth(arena):
@@ -33,7 +41,7 @@ def test_pushing_a_wall_stalls_and_the_odometry_does_not_see_it(build):
 
     The servo's torque is in proportion to its error: commanded below about 0.2 m/s it would stall without slipping.
     """
-    arena = build((0.7, 0.0, 0.0), walls=[WALL])
+    arena = build((0.7, 0.0, 0.0), walls=[WALL], change=with_touch_sensors)
     arena.fleet.command(0, 0.5, 0.0)
     arena.run(2.0)
     arena.fleet.velocity(0)
@@ -61,12 +69,13 @@ def test_a_slippery_floor_slips(build):
     """With a third of the grip the same push is a third: the limit is friction, not the motor."""
 
     def ice(spec: mujoco.MjSpec) -> None:
+        with_touch_sensors(spec)
         for geom in spec.geoms:
             if geom.name.endswith("_tyre"):
                 geom.friction = (model.TYRE_FRICTION / 3, 0, 0)
 
     pushes = []
-    for change in (None, ice):
+    for change in (with_touch_sensors, ice):
         arena = build((0.7, 0.0, 0.0), walls=[WALL], change=change)
         arena.fleet.command(0, 0.4, 0.0)
         arena.run(2.0)
@@ -123,6 +132,29 @@ def test_bumpers_tell_the_side(build, bearing_deg, expected):
     arena = build((1.0 - RADIUS + 0.0015, 0.0, heading), walls=[WALL])
     arena.run(0.02)
     np.testing.assert_array_equal(arena.fleet.take_contacts(0), expected)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_switches_feel_what_mujocos_touch_sensors_feel(build, seed):
+    """Six robots driven about in a narrow pen: at every step and on every side the same force, by two ways."""
+    rng = np.random.default_rng(seed)
+    pen = [(0.0, 1.0, 1.0, 0.1), (0.0, -1.0, 1.0, 0.1), (1.0, 0.0, 0.1, 1.0), (-1.0, 0.0, 0.1, 1.0)]
+    starts = [(x, y, rng.uniform(-math.pi, math.pi)) for x in (-0.5, 0.0, 0.5) for y in (-0.35, 0.35)]
+    arena = build(*starts, walls=pen, change=with_touch_sensors)
+    felt = []
+
+    def watch():
+        felt.append(arena.data.sensordata.reshape(6, 2).copy())
+        np.testing.assert_allclose(arena.fleet.pressing, felt[-1], rtol=1e-12, atol=1e-12)  # sums in the same order
+        np.testing.assert_array_equal(arena.fleet.bumpers, felt[-1] > bumpers.FORCE)
+
+    for _ in range(10):
+        for k in range(6):
+            arena.fleet.command(k, rng.uniform(-0.1, 0.5), rng.uniform(-2.0, 2.0))
+        arena.run(1.0, watch)
+    pressed = np.array(felt) > bumpers.FORCE
+    assert (pressed[..., 0] & ~pressed[..., 1]).any()  # a bumper was pressed alone,
+    assert pressed.all(axis=2).any()  # and both at once
 
 
 def test_contacts_are_latched_until_taken(build):

@@ -8,11 +8,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from flocking.types import Kind
-from robots.create import controller, drive
-from robots.create.controller import follow
-from robots.create.model import MAX_SPEED
+from robots.create import BODY, controller, drive
+from robots.create.model import DIMENSIONS, MAX_SPEED
 
 DT = 0.1
+GEAR = DIMENSIONS.gear
+follow = BODY.follow
 CRUISE = 0.25
 NAN = math.nan
 ANGLES = st.floats(-math.pi, math.pi)
@@ -139,7 +140,7 @@ def test_no_velocity_is_rest():
 def test_limits_hold_for_every_kind(angle, size, kind):
     numbers = (angle, size) if kind == Kind.HEADING else (10 * size * math.cos(angle), 10 * size * math.sin(angle))
     v, w = follow(int(kind), *numbers, CRUISE, 0.3, 0.5, DT)
-    assert max(map(abs, drive.wheel_speeds(v, w))) <= MAX_SPEED + 1e-12
+    assert max(map(abs, drive.wheel_speeds(GEAR, v, w))) <= MAX_SPEED + 1e-12
     assert abs(w) <= controller.MAX_TURN_RATE + 1e-12
 
 
@@ -147,9 +148,9 @@ def test_saturation_keeps_the_radius():
     """Twice the speed asked for, beyond the wheels' limit: the same v / ω as below it."""
     bearing = 0.3
     slow = follow(int(Kind.VELOCITY), 0.4 * math.cos(bearing), 0.4 * math.sin(bearing), CRUISE, 0.0, 0.0, DT)
-    limited = drive.saturated(slow[0] * 2, slow[1] * 2, MAX_SPEED)
+    limited = drive.saturated(GEAR, slow[0] * 2, slow[1] * 2)
     assert limited[0] / limited[1] == pytest.approx(slow[0] / slow[1])
-    assert max(drive.wheel_speeds(*limited)) == pytest.approx(MAX_SPEED)
+    assert max(drive.wheel_speeds(GEAR, *limited)) == pytest.approx(MAX_SPEED)
 
 
 def test_a_heading_is_reached_and_held():

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from flocking.types import Kind
-from robots.create.controller import ARRIVED, follow
+from robots.create import BODY
+from robots.create.controller import ARRIVED
 
 
 def drive_to(arena, goal, seconds, cruise=0.25, latency=5, noise=0.0, seed=0):
@@ -19,7 +20,7 @@ def drive_to(arena, goal, seconds, cruise=0.25, latency=5, noise=0.0, seed=0):
             dx, dy = goal[0] - x, goal[1] - y
             ahead = dx * math.cos(heading) + dy * math.sin(heading) + noise * rng.standard_normal()
             left = dy * math.cos(heading) - dx * math.sin(heading) + noise * rng.standard_normal()
-            command = follow(int(Kind.WAY_POINT), ahead, left, cruise, *command, 0.1)
+            command = BODY.follow(int(Kind.WAY_POINT), ahead, left, cruise, *command, 0.1)
             commands.append(command)
             waiting = step + latency
         if step == waiting:

@@ -12,6 +12,8 @@ from robots.create import drive
 from robots.create import model as create
 from robots.create.fleet import Fleet
 
+GEAR = create.DIMENSIONS.gear
+
 
 def test_each_robot_obeys_its_own_commands(build):
     arena = build((0.0, 0.0, 0.0), (0.0, 2.0, math.pi / 2), (3.0, -2.0, math.pi))
@@ -43,7 +45,7 @@ def test_commands_pass_through_the_drive_command(build):
     speed, turn_rate = 0.1234, 0.1234 / 3.1  # R = 3.1 m: beyond the Open Interface
     arena.fleet.command(0, speed, turn_rate)
     arena.run(3.0)
-    left, right = drive.wheel_speeds(*drive.meant(123, 2000))
+    left, right = drive.wheel_speeds(GEAR, *drive.meant(GEAR, 123, 2000))
     np.testing.assert_allclose(arena.data.ctrl * create.WHEEL_RADIUS, (left, right), rtol=1e-12)
 
 
@@ -51,7 +53,7 @@ def test_too_fast_keeps_the_radius(build):
     arena = build()
     arena.fleet.command(0, 2.0, 4.0)  # R = 0.5 m at four times what the wheels can
     arena.run(2.0)
-    speed, turn_rate = drive.twist(*(arena.data.ctrl * create.WHEEL_RADIUS))
+    speed, turn_rate = drive.twist(GEAR, *(arena.data.ctrl * create.WHEEL_RADIUS))
     assert max(arena.data.ctrl) * create.WHEEL_RADIUS <= create.MAX_SPEED + 1e-12
     assert speed / turn_rate == pytest.approx(0.5, rel=0.01)  # whole mm and mm/s
 
@@ -91,7 +93,7 @@ def test_set_points_tell_of_slow_turns_that_the_encoders_lose(build):
     c, s = math.cos(0.7), math.sin(0.7)
     np.testing.assert_allclose((c * x - s * y, s * x + c * y), went, atol=0.02)
     # steady: what the nearest drive command means
-    speed, turn_rate = drive.meant(*drive.nearest_command(0.2, math.radians(30.0)))
+    speed, turn_rate = drive.meant(GEAR, *drive.nearest_command(GEAR, 0.2, math.radians(30.0)))
     np.testing.assert_allclose(motion, (speed, 0.0, turn_rate), atol=1e-12)
     fleet.meant(0, motion)  # no step in between: the last answer
     assert motion[0] == pytest.approx(speed)

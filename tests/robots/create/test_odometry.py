@@ -7,7 +7,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from robots.create import odometry
-from robots.create.model import AXLE_TRACK, WHEEL_RADIUS
+from robots.create.model import AXLE_TRACK, DIMENSIONS, WHEEL_RADIUS
+
+GEAR = DIMENSIONS.gear
 
 
 def wheels(distance_mm: float, angle_deg: float) -> tuple[float, float]:
@@ -18,26 +20,26 @@ def wheels(distance_mm: float, angle_deg: float) -> tuple[float, float]:
 
 @given(st.integers(-8, 8), st.integers(-4, 4))
 def test_whole_units_are_reported_whole(distance, angle):
-    assert odometry.request(*wheels(distance, angle)) == (distance, angle)
+    assert odometry.request(GEAR, *wheels(distance, angle)) == (distance, angle)
 
 
 @given(st.floats(-8, 8), st.floats(-4, 4))
 def test_it_truncates_towards_zero_and_is_odd(distance, angle):
-    got = odometry.request(*wheels(distance, angle))
+    got = odometry.request(GEAR, *wheels(distance, angle))
     for value, whole in zip((distance, angle), got, strict=True):
         assert abs(whole) <= abs(value) + 2 * odometry.WHOLE
         assert abs(value) - abs(whole) < 1.0
         assert whole == 0 or math.copysign(1, whole) == math.copysign(1, value)
-    assert odometry.request(*wheels(-distance, -angle)) == (-got[0], -got[1])
+    assert odometry.request(GEAR, *wheels(-distance, -angle)) == (-got[0], -got[1])
 
 
 def test_the_limits_of_what_a_15_ms_request_sees():
     """1 degree / 15 ms = 66.7 degrees/s and 1 mm / 15 ms = 66.7 mm/s."""
     limit = 1 / odometry.POLLING
     assert limit == pytest.approx(66.7, abs=0.05)
-    assert odometry.request(*wheels(0, 0.99 * limit * odometry.POLLING)) == (0, 0)
-    assert odometry.request(*wheels(0, 1.01 * limit * odometry.POLLING)) == (0, 1)
-    assert odometry.request(*wheels(0.99 * limit * odometry.POLLING, 0)) == (0, 0)
+    assert odometry.request(GEAR, *wheels(0, 0.99 * limit * odometry.POLLING)) == (0, 0)
+    assert odometry.request(GEAR, *wheels(0, 1.01 * limit * odometry.POLLING)) == (0, 1)
+    assert odometry.request(GEAR, *wheels(0.99 * limit * odometry.POLLING, 0)) == (0, 0)
 
 
 def test_poses_go_round_a_circle():

@@ -9,11 +9,13 @@ import numpy as np
 import pytest
 
 from flocking.errors import InputError
-from robots.create import model
+from robots import body
 from sensing.shapes import recognition
 from sensing.shapes.segments import shape_of
 from sensing.shapes.templates import DISTANCES, SAME_M, Templates, group_at, make_templates
 from sensing.shapes.warping import nearest_shape, warp_rows
+
+CREATE = body.load("create")
 
 STEP = 2.0 * math.pi / 1024
 SAMPLES, BAND = 16, 1
@@ -62,7 +64,7 @@ def cost(sight: tuple[np.ndarray, float], templates: Templates) -> float:
     return nearest_shape(sight[0], alike, BAND, math.inf, 0.0, warp_rows(SAMPLES))
 
 
-CREATES = make_templates(model.spec().compile(), model.LASER_HEIGHT, STEP, SAMPLES, BAND)
+CREATES = make_templates(CREATE.spec().compile(), CREATE.mount("laser").height_m, STEP, SAMPLES, BAND)
 
 
 def test_a_round_member_looks_alike_from_all_sides_and_is_known_at_all_distances():
@@ -71,8 +73,8 @@ def test_a_round_member_looks_alike_from_all_sides_and_is_known_at_all_distances
         for offset in (0.0, 0.3, 0.5):
             # half a beam more or less at either end of an outline that is `beams` wide stretches it by 1 / beams of
             # its half width; between two distances of the grid, 1.5 apart, the width differs by 7 % at the nearest
-            beams = 2.0 * math.asin(model.SILHOUETTE_RADIUS / distance) / STEP
-            assert cost(arc(model.SILHOUETTE_RADIUS, distance, offset), CREATES) < 0.165 * (1 / beams + 0.07)
+            beams = 2.0 * math.asin(CREATE.silhouette_radius / distance) / STEP
+            assert cost(arc(CREATE.silhouette_radius, distance, offset), CREATES) < 0.165 * (1 / beams + 0.07)
 
 
 def test_each_distance_has_its_own_shapes():
@@ -90,7 +92,7 @@ def test_each_distance_has_its_own_shapes():
 def test_it_is_symmetric_as_the_member_is():
     shapes = CREATES.shapes
     np.testing.assert_allclose(shapes[:, ::-1] * (1, -1), shapes, atol=1e-9)  # rays: rounding only
-    assert np.all(np.abs(shapes[:, :, 1]) < model.SILHOUETTE_RADIUS)
+    assert np.all(np.abs(shapes[:, :, 1]) < CREATE.silhouette_radius)
     np.testing.assert_allclose(shapes.mean(axis=1), 0.0, atol=1e-12)
 
 

@@ -8,7 +8,7 @@ from typing import Annotated, Any, NamedTuple
 from flocking import avoidance, found, obstacle_selection
 from flocking.errors import unknown_name
 from flocking.parameters import Parameter, filled
-from robots.create import model
+from robots import body as bodies
 from sensing import association
 from sensing.laser import hokuyo
 from trials.rows import below
@@ -17,7 +17,7 @@ from trials.types import Group, Trial, Value
 from worlds import formations
 
 NAME = "robots"
-PIPELINES, BODIES, WORLDS = "sensing.pipelines", "robots", "worlds"
+PIPELINES, WORLDS = "sensing.pipelines", "worlds"
 TWO_SCANS, NO_ASSOCIATION = ASSOCIATIONS = ("two-scans", "none")
 AS_LAW, AVOID, VIRTUAL = OBSTACLE_CHOICES = ("as-law", "avoid", "virtual-members")
 TOGETHER = "together"
@@ -27,12 +27,13 @@ SENSORS, ASSOCIATION, AVOIDANCE = "sensors.", "association.", "avoidance."
 
 def world_names() -> list[str]:
     """The worlds that robots can be put into."""
-    return _with(WORLDS, "walls")
+    names = sorted(found.modules(WORLDS))
+    return [name for name in names if callable(getattr(found.load(WORLDS, name, "world"), "walls", None))]
 
 
 def body_names() -> list[str]:
     """The bodies that a robot can have."""
-    return _with(BODIES, "spec")
+    return bodies.names()
 
 
 def pipeline_names() -> list[str]:
@@ -48,11 +49,6 @@ def formation_names() -> list[str]:
 def own_formation_names() -> list[str]:
     """What a group can say of its own formation."""
     return [TOGETHER, *formations.FORMATIONS]
-
-
-def _with(package: str, mark: str) -> list[str]:
-    names = sorted(found.modules(package))
-    return [name for name in names if callable(getattr(found.load(package, name, package), mark, None))]
 
 
 class TrialFields(NamedTuple):
@@ -108,7 +104,7 @@ class GroupFields(NamedTuple):
     law: Annotated[str, Parameter("", "Fine 2015, algorithm 2", published=True)] = "extended-hamilton"
     speed_m_s: Annotated[
         float,
-        Parameter("m/s", "not published: half of the Create's top speed", low=0.001, high=model.MAX_SPEED),
+        Parameter("m/s", "not published: half of the Create's top speed; at most the body's", low=0.001),
     ] = 0.25
     rate_hz: Annotated[
         float, Parameter("Hz", "not published: the laser's scan rate (data sheet)", low=0.1, high=100.0)

@@ -12,19 +12,18 @@ from typing import NamedTuple
 import mujoco
 import numpy as np
 
-from flocking import found, lawentry
+from flocking import lawentry
 from flocking.errors import InputError
 from flocking.parameters import filled
 from flocking.selection import Chosen
 from flocking.types import Floats
-from robots.create import model
+from robots import body as bodies
 from sensing import association
 from sensing.laser import hokuyo
 from sensing.types import PipelineState, WorldTruth
 from trials.simulations import spread
 from trials.simulations.robots import information
 from trials.simulations.robots.fields import (
-    BODIES,
     GroupFields,
     TrialFields,
     association_of,
@@ -90,7 +89,7 @@ def assemble(trial: Trial, record: bool) -> Herd:
     if record or any("truth" not in r for r in reads):
         lasers = hokuyo.Lasers(
             world.model,
-            [f"{prefix(name)}laser" for name in names],
+            [f"{prefix(name)}{body.mount('laser').site}" for name, body in zip(names, world.bodies, strict=True)],
             [int(root) for root in world.fleet.root_bodies],
             [laser_of(group) for group in groups],
         )
@@ -104,8 +103,8 @@ def assemble(trial: Trial, record: bool) -> Herd:
         trial=trial,
         world=world,
         robots=robots,
-        radii=np.full(len(groups), model.RADIUS),
-        silhouettes=np.full(len(groups), model.SILHOUETTE_RADIUS),
+        radii=np.array([body.radius for body in world.bodies]),
+        silhouettes=np.array([body.silhouette_radius for body in world.bodies]),
         timestep=timestep,
         needs_truth=frozenset(i for i, r in enumerate(reads) if "truth" in r),
     )
@@ -193,6 +192,7 @@ def _robot(
         range_rng=draw(Purpose.RANGE_NOISE),
         intensity_rng=draw(Purpose.INTENSITY_NOISE),
         reads=reads,
+        body=world.bodies[index],
         fleet=world.fleet,
         lasers=lasers,
         knowledge=Knowledge(
@@ -215,30 +215,39 @@ def _robot(
 def _pipeline_state(mind: Mind) -> PipelineState:
     group, pipeline = mind.group, mind.pipeline
     parameters = filled(pipeline.Parameters, group.pipeline_parameters, prefix=f"{group.name}.pipeline.")
-    return pipeline.start(parameters, member_model(mind.given.body), model.LASER_HEIGHT, hokuyo.ANGLES)
+    height_m = bodies.load(mind.given.body).mount("laser").height_m
+    return pipeline.start(parameters, member_model(mind.given.body), height_m, hokuyo.ANGLES)
 
 
 @cache
 def member_model(body: str) -> mujoco.MjModel:
     """One robot alone: what a database of members is made from."""
-    return found.load(BODIES, body, "body").spec().compile()
+    return bodies.load(body).spec().compile()
 
 
 def check(trial: Trial) -> None:
     """Refuses, before anything is built, a trial whose names and numbers do not fit one another.
 
-    Clocks must be whole numbers of physics steps, robots must start apart and within the walls, and none may be able to
+    Clocks must be whole numbers of physics steps, no robot may be told to drive faster than its body can, all must
+    start apart and within the walls, and none may be able to
     leave its world behind. Raises `InputError`.
     """
     trial_fields = of_trial(trial)
     if not trial.groups:
         raise InputError("the trial has no robots: expected a group")
     ticks(SAMPLE_S, trial_fields.timestep_s, "the time between samples", at_least=1)
+    radii: list[float] = []
     for number, group in enumerate(trial.groups):
         given = of_group(group)
         clock(group.name, given, trial_fields.timestep_s)
         pipeline_of(group)
-        found.load(BODIES, given.body, "body")
+        body = bodies.load(given.body)
+        if given.speed_m_s > body.top_speed:
+            raise InputError(
+                f"{group.name}.speed_m_s = {given.speed_m_s:g}: expected at most {body.top_speed:g} m/s, the top speed "
+                f"of body {body.name!r}"
+            )
+        radii += [body.radius] * given.count
         laser_of(group)
         association_of(group)
         information.check(group)
@@ -247,16 +256,16 @@ def check(trial: Trial) -> None:
     module = world_of(trial)
     parameters = filled(module.Parameters, trial.world_parameters, prefix="world.")
     poses_w = starting_poses(trial)
-    _check_reach(trial, trial_fields, float(module.free_length(parameters)), poses_w)
+    _check_reach(trial, trial_fields, float(module.free_length(parameters, max(radii))), poses_w, max(radii))
     names = [f"{group.name}-{k + 1}" for group in trial.groups for k in range(group.count)]
-    check_starts(names, poses_w, np.full(len(names), model.RADIUS), module.walls(parameters).segments)
+    check_starts(names, poses_w, np.array(radii), module.walls(parameters).segments)
 
 
-def _check_reach(trial: Trial, given: TrialFields, free_length: float, poses_w: Floats) -> None:
-    fastest = max(min(of_group(group).speed_m_s, model.MAX_SPEED) for group in trial.groups)
+def _check_reach(trial: Trial, given: TrialFields, free_length: float, poses_w: Floats, radius: float) -> None:
+    fastest = max(of_group(group).speed_m_s for group in trial.groups)
     reach = float(np.abs(poses_w[:, 0]).max()) + fastest * given.duration_s
     if reach > free_length:
-        needed = math.ceil(2 * (reach + model.RADIUS))
+        needed = math.ceil(2 * (reach + radius))
         raise InputError(
             f"world {trial.world!r} reaches {free_length:.1f} m to each side and a robot could go {reach:.1f} m; "
             f"expected a longer one: --set world.length_m={needed}"

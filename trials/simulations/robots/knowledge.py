@@ -3,8 +3,8 @@
 Its pose at the start is known to it. From there on it reckons, by one of three:
 
 - `commands`: the drive commands and the wheels' acceleration limit. It sees neither slip nor contacts.
-- `odometry`: the Create's counts of whole millimetres and degrees, which read no turn slower than 67 degrees/s
-  (`robots.create.odometry`).
+- `odometry`: what its body counts of its wheels; a Create counts whole millimetres and degrees, and so reads no turn
+  slower than 67 degrees/s.
 - `true`: global knowledge, for ideal cases.
 
 In the detection case study (six robots, 60 s, extended Hamilton's rule) one update of 0.1 s turns a robot by 0.5
@@ -21,7 +21,7 @@ import numpy as np
 
 from flocking.angles import wrap
 from flocking.types import Floats
-from robots.create.fleet import Fleet
+from robots.body import Fleet
 
 COMMANDS, ODOMETRY, TRUE = SOURCES = ("commands", "odometry", "true")
 TURN_RATE, COMPASS, GOAL = 2, 3, slice(4, 6)

@@ -13,8 +13,7 @@ import numpy as np
 from flocking import selection
 from flocking.lawentry import MOTIONS_WITHOUT_NUMBERS, OWN_SIZE, Law
 from flocking.types import Bools, Floats, Kind, Members, Motion, Own
-from robots.create.controller import follow
-from robots.create.fleet import Fleet
+from robots.body import Body, Fleet
 from sensing.association import Association
 from sensing.laser.hokuyo import PERIOD_S, Lasers
 from sensing.types import Detection, PipelineState, Scan, ScanTruth, Senses, WorldTruth
@@ -58,6 +57,7 @@ class Robot:
     intensity_rng: np.random.Generator
     reads: frozenset[str]
     """What its pipeline reads."""
+    body: Body
     fleet: Fleet
     lasers: Lasers | None
     knowledge: Knowledge
@@ -190,7 +190,7 @@ class Robot:
 
     def drive(self, motion: Motion) -> tuple[float, float]:
         """Stage 5, first half: what the wheels shall do; takes effect when `apply` is called after the latency."""
-        self.command = follow(
+        self.command = self.body.follow(
             motion.kind, motion.x, motion.y, self.cruise_m_s, self.command[0], self.command[1], self.dt
         )
         return self.command

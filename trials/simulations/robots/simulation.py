@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from flocking import found
+from robots import body as bodies
 from trials.simulations.contract import Simulation
 from trials.simulations.robots import fields, herd, keys, worldfile
 from trials.simulations.robots.measures import ABOUT, HEADINGS, KEY_MEASURES
@@ -15,9 +16,6 @@ from worlds import formations
 MOMENT_S = 1.0
 """Simulated time in which every robot senses and acts a few times."""
 CONSTANTS = (
-    "robots.create.model",
-    "robots.create.controller",
-    "robots.create.odometry",
     "robots.physics",
     "sensing.laser.readings",
     "sensing.laser.intensity",
@@ -64,10 +62,16 @@ def at_step(trial: Trial, step: int) -> str:
     return f"at {step * fields.of_trial(trial).timestep_s:.2f} s"
 
 
+def constants(trial: Trial) -> list[str]:
+    """Modules of the bodies that take part, each once, and of what all robots share."""
+    of_bodies = [name for group in trial.groups for name in bodies.load(fields.of_group(group).body).constants]
+    return [*dict.fromkeys(of_bodies), *CONSTANTS]
+
+
 def listed(kind: str) -> Mapping[str, object]:
     """Its bodies, worlds and formations."""
     if kind == "bodies":
-        return {name: found.load(fields.BODIES, name, "body") for name in fields.body_names()}
+        return {name: bodies.package(name) for name in bodies.names()}
     if kind == "worlds":
         return {name: found.load(fields.WORLDS, name, "world") for name in fields.world_names()}
     return {f"robots: {name}": function for name, function in formations.FORMATIONS.items()}
@@ -86,7 +90,7 @@ SIMULATION = Simulation(
     prepare=prepare,
     at_step=at_step,
     listed=listed,
-    constants=CONSTANTS,
+    constants=constants,
     has_scans=True,
     world_xml=worldfile.world_xml,
     headings=HEADINGS,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from robots.create import model
+from robots import body
 from trials.design import plan
 from trials.evidence.claims import published
 from trials.studies.detection.judges import JUDGES
@@ -26,7 +26,7 @@ def test_its_exclusion_distances_are_the_published_ones() -> None:
 
 
 def test_its_corridor_is_as_wide_as_published() -> None:
-    width = STUDY["corridor_width_robot_diameters"] * model.DIAMETER
+    width = STUDY["corridor_width_robot_diameters"] * 2.0 * body.load("create").radius
     assert corridor.Parameters().width_m == pytest.approx(width)
 
 

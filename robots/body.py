@@ -1,0 +1,158 @@
+"""The contract for a body: what the rest of the program knows of a kind of robot.
+
+A body is a folder of `robots` whose package holds one `BODY`; it is found by its folder and named by it (`-` and `_`
+are equal). Beside `__init__.py` the folder has its XML: the robot alone on a floor, for any MuJoCo viewer
+(`python -m robots.body` writes all of them).
+"""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NamedTuple, Protocol
+
+import mujoco
+
+from flocking.errors import InputError, unknown_name
+from flocking.types import Bools, Floats, Ints, Kind
+from robots.physics import FLOOR_MASK, apply_options
+
+HOME = Path(__file__).resolve().parent
+
+
+class Mount(NamedTuple):
+    """Where a sensor is fastened to a robot."""
+
+    site: str
+    """Name of the site in `Body.spec`, which looks along its x axis; z is up."""
+    height_m: float
+    """Of the site above the floor, at rest."""
+
+
+class Fleet(Protocol):
+    """The robots of one kind, or of several, in one compiled world; k is a robot's number in it, from 0.
+
+    Around each step: `before_step(data)`, `mj_step`, `after_step(data)`. A fleet belongs to one run from time 0.
+    """
+
+    root_bodies: Ints
+    """(N,) id of each robot's root body."""
+
+    def command(self, k: int, speed: float, turn_rate: float) -> None:
+        """Tell robot k to drive at `speed` (m/s) and `turn_rate` (rad/s), as far as its machine can say that."""
+
+    def before_step(self, data: mujoco.MjData) -> None:
+        """Bring the actuators' controls up to date."""
+
+    def after_step(self, data: mujoco.MjData) -> bool:
+        """Read encoders and bumpers. Whether any hull is in a contact, pressed or not."""
+
+    def poses(self, data: mujoco.MjData) -> Floats:
+        """(N, 3) true x, y (m) and heading (rad, in (−π, π]) at `data.time`."""
+
+    def velocities(self, data: mujoco.MjData) -> Floats:
+        """(N, 2) true velocities over ground in the world frame, m/s."""
+
+    @property
+    def odometry(self) -> Floats:
+        """(N, 3) x, y (m), heading (rad, unwrapped) by each robot's odometry, in the frame of its start."""
+
+    @property
+    def bumpers(self) -> Bools:
+        """(N, 2) left and right bumper pressed now."""
+
+    def own(self, k: int, motion: Floats, contacts: Bools) -> None:
+        """Fills `motion` (3,), robot k's velocity over ground in its own axes (m/s) and its turn rate (rad/s) by
+        odometry since this was last asked, and `contacts` (2,), left and right bumper pressed since then."""
+
+    def meant(self, k: int, motion: Floats) -> None:
+        """Fills `motion` (3,) as `own` does, by what robot k told its actuators instead of its encoders."""
+
+    def meant_pose(self, k: int) -> Floats:
+        """(3,) x, y, heading by what robot k told its actuators when `meant` was last asked, from its start."""
+
+    def counted_pose(self, k: int) -> Floats:
+        """(3,) x, y, heading of robot k by its odometry, from its start."""
+
+
+@dataclass(frozen=True)
+class Body:
+    """One kind of robot. Lengths in m, speeds in m/s; body frame x forward, y left, origin on the floor."""
+
+    name: str
+    radius: float
+    """Of the outline with which it meets walls and other robots."""
+    silhouette_radius: float
+    """Of what a level laser sees of it."""
+    top_speed: float
+    """Straight ahead on the floor."""
+    mounts: Mapping[str, Mount]
+    """Sensor → where it is fastened; a body that carries no such sensor leaves it out."""
+    follows: frozenset[Kind]
+    """The kinds of `Motion` that `follow` turns into commands."""
+    spec: Callable[[], mujoco.MjSpec]
+    """One robot at the origin, facing +x, with all that can be seen of it: no floor, no light, no options."""
+    fleet: Callable[[mujoco.MjModel, Sequence[str]], Fleet]
+    """All robots of this kind in a model, in the order of the prefixes of their names."""
+    follow: Callable[[int, float, float, float, float, float, float], tuple[float, float]]
+    """(kind, x, y, cruise, speed_now, turn_rate_now, dt) → speed (m/s) and turn rate (rad/s) to command: `kind`, `x`
+    and `y` of a `Motion`; `cruise`, speed towards a way-point; the command in force; `dt`, s to the next update."""
+    constants: tuple[str, ...]
+    """Modules whose constants are this body's numbers, to be shown with their sources."""
+
+    def mount(self, sensor: str) -> Mount:
+        """Where `sensor` is fastened. Raises `InputError` where this body carries none."""
+        if sensor not in self.mounts:
+            carried = ", ".join(sorted(self.mounts)) or "no sensor"
+            raise InputError(f"body {self.name!r} carries no {sensor}; expected one that does (it carries {carried})")
+        return self.mounts[sensor]
+
+
+def names() -> list[str]:
+    """Of all bodies, with hyphens: the folders of `robots` whose package holds a `BODY`."""
+    folders = sorted(path.parent.name for path in HOME.glob("*/__init__.py"))
+    return [folder.replace("_", "-") for folder in folders if hasattr(package(folder), "BODY")]
+
+
+def load(name: str) -> Body:
+    """The body of that name. Raises `InputError` with the nearest names if there is none."""
+    if name.replace("_", "-") not in names():
+        raise unknown_name("body", name, names())
+    found: Body = package(name).BODY
+    return found
+
+
+def scene(body: Body) -> mujoco.MjSpec:
+    """One robot on a floor with a light: what its XML holds."""
+    world = body.spec()
+    apply_options(world)
+    floor = world.worldbody.add_geom(name="floor", type=mujoco.mjtGeom.mjGEOM_PLANE, size=(0, 0, 1))
+    floor.contype, floor.conaffinity = FLOOR_MASK, 0
+    floor.rgba = (0.55, 0.57, 0.6, 1)
+    world.worldbody.add_light(pos=(0, 0, 3), dir=(0, 0, -1))
+    return world
+
+
+def xml(body: Body) -> str:
+    """The text of the XML in its folder."""
+    world = scene(body)
+    world.compile()
+    return str(world.to_xml())
+
+
+def xml_path(name: str) -> Path:
+    """Where the XML of a body stands."""
+    folder = name.replace("-", "_")
+    return HOME / folder / f"{folder}.xml"
+
+
+def package(name: str) -> Any:
+    """The package of a body's folder; its docstring says what the body is."""
+    return importlib.import_module(f"robots.{name.replace('-', '_')}")
+
+
+if __name__ == "__main__":
+    for each in names():
+        xml_path(each).write_text(xml(load(each)), encoding="utf-8")

@@ -1,0 +1,166 @@
+"""Contract tests: every body is found by its folder, and is what it says."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+
+import robots
+from flocking.errors import InputError
+from flocking.types import Kind
+from robots import body as bodies
+from robots import physics
+from robots.body import Body
+
+NAMES = bodies.names()
+DT = 0.1
+STEP = physics.TIMESTEP
+
+
+@pytest.fixture(params=NAMES)
+def body(request: pytest.FixtureRequest) -> Body:
+    return bodies.load(request.param)
+
+
+class Alone:
+    """One robot of a kind on a floor."""
+
+    def __init__(self, body: Body) -> None:
+        self.model = bodies.scene(body).compile()
+        self.data = mujoco.MjData(self.model)
+        mujoco.mj_forward(self.model, self.data)
+        self.fleet = body.fleet(self.model, [""])
+
+    def run(self, seconds: float) -> float:
+        """Its greatest speed over ground in that time, m/s."""
+        fastest = 0.0
+        for _ in range(round(seconds / STEP)):
+            self.fleet.before_step(self.data)
+            mujoco.mj_step(self.model, self.data)
+            self.fleet.after_step(self.data)
+            fastest = max(fastest, float(np.hypot(*self.fleet.velocities(self.data)[0])))
+        assert self.data.warning.number.sum() == 0, "MuJoCo warned"
+        return fastest
+
+
+def test_every_folder_with_a_body_is_found() -> None:
+    home = Path(str(robots.__file__)).parent
+    told = {path.parent.name for path in home.glob("*/__init__.py") if "BODY" in path.read_text(encoding="utf-8")}
+    assert {name.replace("-", "_") for name in NAMES} == told
+    assert {"create", "create-small"} <= set(NAMES)
+
+
+def test_names_may_have_hyphens_or_underscores_and_the_nearest_is_offered() -> None:
+    assert bodies.load("create_small") is bodies.load("create-small")
+    with pytest.raises(InputError, match="create-small"):
+        bodies.load("create-smal")
+    with pytest.raises(InputError, match="unknown body 'physics'"):
+        bodies.load("physics")
+
+
+def test_an_absent_sensor_is_refused_in_one_line(body: Body) -> None:
+    with pytest.raises(InputError, match=f"body '{body.name}' carries no sonar; expected one that does"):
+        body.mount("sonar")
+
+
+def test_its_name_is_its_folders(body: Body, request: pytest.FixtureRequest) -> None:
+    assert body.name == request.node.callspec.params["body"]
+
+
+def test_its_xml_is_what_the_code_makes_and_loads_alone(body: Body) -> None:
+    path = bodies.xml_path(body.name)
+    assert path.read_text(encoding="utf-8") == bodies.xml(body)
+    assert mujoco.MjModel.from_xml_path(str(path)).nq == body.spec().compile().nq
+
+
+def test_its_constants_stand_in_modules_that_exist(body: Body) -> None:
+    from trials.commands.constants import constants
+
+    told = constants(body.constants)
+    assert len(told) > 20
+    assert all(constant.remark for constant in told)
+
+
+def test_it_rests_where_it_is_put(body: Body) -> None:
+    """At z = 0 and upright, to a hundredth of what a laser reads (a millimetre)."""
+    alone = Alone(body)
+    alone.run(3.0)
+    np.testing.assert_allclose(alone.data.qpos[:3], 0.0, atol=1e-5)
+    np.testing.assert_allclose(alone.data.qpos[4:6], 0.0, atol=1e-5)
+
+
+def test_its_mounts_stand_where_it_says(body: Body) -> None:
+    model = body.spec().compile()
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    assert body.mounts
+    for mount in body.mounts.values():
+        site = data.site(mount.site)
+        assert site.xpos[2] == pytest.approx(mount.height_m, abs=1e-12)
+        assert site.xmat[8] == pytest.approx(1.0)
+
+
+def test_all_lasers_scan_one_plane() -> None:
+    heights = {
+        name: bodies.load(name).mounts["laser"].height_m for name in NAMES if "laser" in bodies.load(name).mounts
+    }
+    assert np.ptp(list(heights.values())) < 1e-9
+
+
+def test_its_radius_is_its_hulls(body: Body) -> None:
+    """The greatest distance from its axis of what meets walls: of a sphere, the centre's distance and its radius."""
+    model = body.spec().compile()
+    hulls = np.flatnonzero(model.geom_contype & physics.HULL_MASK)
+    assert len(hulls)
+    assert (model.geom_type[hulls] == mujoco.mjtGeom.mjGEOM_SPHERE).all()
+    reach = np.hypot(*model.geom_pos[hulls, :2].T) + model.geom_size[hulls, 0]
+    assert reach.max() == body.radius
+
+
+def test_hulls_of_all_kinds_meet_at_their_equators() -> None:
+    """Then two spheres touch where two upright cylinders would, whatever their sizes."""
+    heights = set()
+    for name in NAMES:
+        model = bodies.load(name).spec().compile()
+        hulls = np.flatnonzero(model.geom_contype & physics.HULL_MASK)
+        heights |= set(model.geom_pos[hulls, 2].tolist())
+    assert len(heights) == 1
+
+
+def test_it_reaches_its_top_speed_and_no_more(body: Body) -> None:
+    """The wheels roll on their nominal radius to a thousandth; a command beyond the top speed is no faster."""
+    for wanted in (body.top_speed, 2.0 * body.top_speed):
+        alone = Alone(body)
+        alone.fleet.command(0, wanted, 0.0)
+        assert alone.run(4.0) == pytest.approx(body.top_speed, rel=5e-3)
+
+
+@pytest.mark.parametrize("kind", list(Kind))
+def test_what_it_follows_stays_within_its_limits(body: Body, kind: Kind) -> None:
+    """Whatever a law wants, from whatever command: never faster than the top speed, on neither side."""
+    if kind not in body.follows:
+        pytest.skip(f"{body.name} does not follow {kind.name}")
+    rng = np.random.default_rng(int(kind))
+    for _ in range(200):
+        x, y = rng.normal(0.0, 3.0, 2)
+        now = rng.uniform(-0.5, 1.0) * body.top_speed, 0.0
+        speed, turn_rate = body.follow(int(kind), float(x), float(y), 2.0 * body.top_speed, *now, DT)
+        assert math.isfinite(turn_rate)
+        assert abs(speed) <= body.top_speed * (1.0 + 1e-12)
+
+
+def test_it_goes_to_a_way_point(body: Body) -> None:
+    alone, command, cruise = Alone(body), (0.0, 0.0), body.top_speed / 2.0
+    goal = np.array([0.6, 0.5])
+    for _ in range(round(np.hypot(*goal) / cruise / DT) + 50):
+        x, y, heading = alone.fleet.poses(alone.data)[0]
+        dx, dy = goal - (x, y)
+        c, s = math.cos(heading), math.sin(heading)
+        command = body.follow(int(Kind.WAY_POINT), c * dx + s * dy, c * dy - s * dx, cruise, *command, DT)
+        alone.fleet.command(0, *command)
+        alone.run(DT)
+    assert np.hypot(*(alone.fleet.poses(alone.data)[0, :2] - goal)) < body.radius / 2.0
