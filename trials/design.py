@@ -107,32 +107,15 @@ def plan(
         if key in arm_values:
             raise InputError(f"{key} is both set and swept; expected one of the two")
     conditions: dict[str, list[Any]] = {key: list(values) for key, values in module.CONDITIONS.items()}
-    for group in module.base(1).groups:
-        for field, kinds, name_given in (
-            ("law", "laws", law),
-            ("pipeline", "pipelines", pipeline),
-            ("body", "bodies", body),
-        ):
-            if name_given is None:
-                continue
-            key = f"{group.name}.{field}"
-            if key in settings or key in arm_values:
-                other = f"--set {key}={settings[key]}" if key in settings else f"--sweep {key}"
-                raise InputError(f"--{field} {name_given} and {other}: expected one of the two")
-            if field == "law" and name_given.endswith(keys.AVOIDS) and f"{group.name}.obstacles" in settings:
-                given = settings[f"{group.name}.obstacles"]
-                raise InputError(
-                    f"--law {name_given} and --set {group.name}.obstacles={given}: expected one of the two"
-                )
-            if not keys.has(module.base(1), key):
-                raise InputError(f"--{field} {name_given}: {name} has no {kinds}; expected an experiment with {kinds}")
-            settings[key] = name_given
+    notes: dict[str, None] = {}
+    for field, value in (("law", law), ("pipeline", pipeline), ("body", body)):
+        if value is not None:
+            settings |= _of_first_group(module.base(1), field, value, {**settings, **arm_values}, notes)
     for key in [key for key in settings if key in conditions]:
         conditions[key] = [settings.pop(key)]
     for key in [key for key in arm_values if key in conditions]:
         conditions[key] = arm_values.pop(key)
     arms = [dict(zip(arm_values, values, strict=True)) for values in itertools.product(*arm_values.values())]
-    notes: dict[str, None] = {}
     designs = [(arm, _cells(module, settings, arm, conditions, notes)) for arm in arms]
     total = repeats * sum(len(cells) for _, cells in designs)
     if total > MAX_TRIALS:
@@ -159,6 +142,27 @@ def plan(
         repeats=repeats,
         notes=list(notes),
     )
+
+
+def _of_first_group(
+    base: Trial, field: str, value: str, given: Mapping[str, Any], notes: dict[str, None]
+) -> dict[str, Any]:
+    """What `--law`, `--pipeline` or `--body` sets: that of the first group, which is the herd.
+
+    Raises `InputError` where it is `given` as well, or where the trial has no such thing.
+    """
+    first, *others = base.groups
+    key, obstacles = f"{first.name}.{field}", f"{first.name}.obstacles"
+    for other in (key, obstacles) if field == "law" and value.endswith(keys.AVOIDS) else (key,):
+        if other in given:
+            option = "--sweep" if isinstance(given[other], list) else "--set"
+            raise InputError(f"--{field} {value} and {option} {other}={given[other]}: expected one of the two")
+    if not keys.has(base, key):
+        kinds = {"law": "laws", "pipeline": "pipelines", "body": "bodies"}[field]
+        raise InputError(f"--{field} {value}: {base.experiment} has no {kinds}; expected an experiment with {kinds}")
+    if others:
+        notes[f"--{field} is of {first.name}; of another group: --set {others[0].name}.{field}={value}"] = None
+    return {key: value}
 
 
 def _parameters(module: ModuleType, trial: Trial, given: set[str]) -> list[Row]:

@@ -121,6 +121,27 @@ class Updates:
     """(U,) beams that made an input but belong to nobody."""
 
 
+def no_updates(members: int) -> Updates:
+    """Those of a simulation whose members do not update one by one."""
+    none, whole = np.empty(0), np.empty(0, np.int64)
+    return Updates(
+        times=none,
+        robots=whole,
+        kinds=whole,
+        rules=whole,
+        motions=np.empty((0, 2)),
+        poses_w=np.empty((0, 3)),
+        commands=np.empty((0, 2)),
+        input_starts=np.zeros(1, np.int64),
+        input_positions=np.empty((0, 2), np.float32),
+        input_owners=np.empty(0, np.int16),
+        member_states=np.empty((0, members), np.int8),
+        beams_lit=whole,
+        beams_missed=whole,
+        beams_made_up=whole,
+    )
+
+
 @dataclass(frozen=True)
 class Scans:
     """The scans kept for a recording; S rows."""
@@ -151,6 +172,12 @@ class Contacts:
     """(C,) index of the other robot (each pair once, the smaller index in `robots`), −1 = a wall."""
     points_w: Floats
     """(C, 2)."""
+
+
+def no_contacts() -> Contacts:
+    """Those of a simulation whose members touch nothing."""
+    whole = np.empty(0, np.int64)
+    return Contacts(np.empty(0), whole, whole, np.empty((0, 2)))
 
 
 @dataclass(frozen=True)
