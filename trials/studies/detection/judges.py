@@ -2,8 +2,8 @@
 
 They were fixed before any data was seen, and changed in one point after it (claims 3, 8 and 12: see the docs).
 
-The table in docs/detection.md says, claim by claim, which measure decides in which trials, by
-which margin and why. The claims' words and sections stand in the study's published.toml.
+The table in docs/detection.md says, claim by claim, which measure decides in which trials, by which margin and why. The
+claims' words and sections stand in the study's published.toml.
 """
 
 from __future__ import annotations
