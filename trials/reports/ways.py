@@ -1,4 +1,5 @@
-"""Drawings of kinematic trials: ways from start to end, and curves of a measure over a condition."""
+"""Drawings of herds too large to tell members apart: their ways from start to end, curves of a measure over a
+condition; and the trials that a drawing shows."""
 
 from __future__ import annotations
 

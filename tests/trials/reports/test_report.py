@@ -14,12 +14,14 @@ from typing import Any
 import pytest
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
-from made_up_run import MadeUpRun, made_up_run
+from made_up_run import MadeUpRun, finished, made_up_run
 from synthetic import synthetic_result
 
 from flocking.errors import InputError
+from trials import design
 from trials.batch import series, store
 from trials.batch.store import Row, Store
+from trials.evidence.claims import published
 from trials.evidence.runs import UndecidedError
 from trials.evidence.summary import cells, mean, named
 from trials.reports import report
@@ -194,3 +196,22 @@ def test_numbers_are_shown_in_three_digits() -> None:
     assert shown_number(nan) == "-"
     assert shown_interval(nan, 1.0) == ""
     assert shown_interval(0.0, 1.0) == "[0.00, 1.00]"
+
+
+def test_a_published_number_is_a_number_in_json_and_stands_in_words_before_the_reader(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(report, "_experiment", design.load)
+    monkeypatch.setenv("COLUMNS", "160")
+    run = finished(design.plan("lch-table-4-1", repeats=3).trials, lambda trial: {"mmd_end": 0.05}, seed=1, spread=0.01)
+    _kept(run, tmp_path / "run", "lch-table-4-1").close()
+    first, *_, last = json.loads(report.report(tmp_path / "run", as_json=True))
+    table = published("trials.studies.crowded_horizon", "fine2015", "table_4_1")
+    assert first["published"] == table["single_group"]["group_pose"]
+    assert first["claim"].endswith(f"range 3: {first['published']:g}")
+    assert last["published"] == last["claim"]
+    told = report.report(tmp_path / "run")
+    page = (tmp_path / "run" / "report.html").read_text(encoding="utf-8")
+    for entry in (first, last):
+        assert entry["claim"] in told
+        assert entry["claim"] in page

@@ -37,7 +37,7 @@ def _questions(cells: Cells) -> list[Question]:
                 Question(
                     source=f"{SOURCE} (section 4.3)",
                     quantity=f"{formation}, {name}",
-                    claim=f"MMD of {name} from a {formation} start, range 3: {value:g}",
+                    claim=f"MMD of {name} from a {formation} start, range {table['sensing_ranges'][0]:g}: {value:g}",
                     judge=all_must_hold(
                         f"mean of the trials within ±{margin:g} of it (two one-sided tests)",
                         partial(_cell, cells, formation, f"lch-{name}", value, margin),

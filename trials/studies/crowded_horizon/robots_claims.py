@@ -22,7 +22,11 @@ from trials.evidence.outcomes import Outcome, above, more, near, same
 from trials.evidence.runs import Cells, Run
 
 LAW = "herd.law"
-THRESHOLDS = {"pose": ("herd.law.st_m", 0.5), "bearing": ("herd.law.st_deg", 10.0)}
+SIMULATED = published(__package__, "fine2015", "table_4_1")
+THRESHOLDS = {
+    "pose": ("herd.law.st_m", float(SIMULATED["st_distance"])),
+    "bearing": ("herd.law.st_deg", float(SIMULATED["st_angular_deg"])),
+}
 """Of the group-centric variations: figure 4.5's, for simulated members; the robots' own are twice as wide, since the
 robots of the starting formation stand a metre apart: at half a metre each of them is a group by itself."""
 KEYS = (LAW, *(key for key, _ in THRESHOLDS.values()))

@@ -20,51 +20,56 @@ PUBLISHED = ((MEMBER, 0.0, "2.6"), (SENSOR, 0.0, "2.7"), (SENSOR, 0.5, "2.8"), (
 """Cells of the publication's figures of inputs."""
 
 
+class Shown:
+    """The series of the finished trials of one arm, each read once."""
+
+    def __init__(self, run: Run, trials: Sequence[Trial]) -> None:
+        done = {row.index for row in run.rows() if row.status == "done"}
+        self._run = run
+        self._finished = [trial for trial in trials if trial.index in done]
+        self._read: dict[int, TrialResult | None] = {}
+
+    def first(
+        self, pipeline: Any, exclusion: Any, repeat: int | None = None, formation: str | None = None
+    ) -> TrialResult | None:
+        """Of the first finished trial of a cell, of any repeat and formation unless told; None if there is none."""
+        for trial in self._finished:
+            cell = (trial.conditions.get(PIPELINE), trial.conditions.get(EXCLUSION))
+            if (
+                cell == (pipeline, exclusion)
+                and repeat in (None, trial.repeat)
+                and formation in (None, trial.formation)
+            ):
+                return self._series(trial.index)
+        return None
+
+    def _series(self, index: int) -> TrialResult | None:
+        if index not in self._read:
+            try:
+                self._read[index] = self._run.series(index)
+            except InputError:  # its file is lost: the figure says that there is none
+                self._read[index] = None
+        return self._read[index]
+
+
 def figures(run: Run, folder: Path) -> list[Figure]:
     """Inputs over time, trajectories and formations of the run's first arm, written to `folder`/figures."""
     trials = arms(run, KEYS)[0][1]
-    done = {row.index for row in run.rows() if row.status == "done"}
-    kept: dict[int, TrialResult | None] = {}
-
-    def result(trial: Trial | None) -> TrialResult | None:
-        if trial is None or trial.index not in done:
-            return None
-        if trial.index not in kept:
-            try:
-                kept[trial.index] = run.series(trial.index)
-            except InputError:  # its file is lost: the figure says that there is none
-                kept[trial.index] = None
-        return kept[trial.index]
-
-    def find(**wanted: Any) -> Trial | None:
-        """The first trial (a finished one if there is any) of a cell, repeat or formation."""
-        cell = {PIPELINE: wanted.get("pipeline"), EXCLUSION: wanted.get("exclusion")}
-        fitting = [
-            trial
-            for trial in trials
-            if all(trial.conditions.get(key) == value for key, value in cell.items())
-            and wanted.get("repeat") in (None, trial.repeat)
-            and wanted.get("formation") in (None, trial.formation)
-        ]
-        return next((trial for trial in fitting if trial.index in done), fitting[0] if fitting else None)
-
+    shown = Shown(run, trials)
     repeat = min((trial.repeat for trial in trials), default=1)
     inputs = [
-        (f"{pipeline}, exclusion {at:g} m (figure {number})", result(find(pipeline=pipeline, exclusion=at)))
+        (f"{pipeline}, exclusion {at:g} m (figure {number})", shown.first(pipeline, at))
         for pipeline, at, number in PUBLISHED
     ]
     cells = list(dict.fromkeys((trial.conditions.get(PIPELINE), trial.conditions.get(EXCLUSION)) for trial in trials))
-    ways = [
-        (_cell_name(pipeline, at), result(find(pipeline=pipeline, exclusion=at, repeat=repeat)))
-        for pipeline, at in cells
-    ]
+    ways = [(_cell_name(pipeline, at), shown.first(pipeline, at, repeat)) for pipeline, at in cells]
     if not any(panel for _, panel in inputs):  # another law or detection: none of the publication's cells
         inputs = ways
     rows = []
     for formation in dict.fromkeys(trial.formation for trial in trials):
-        shown = [(p, at, result(find(pipeline=p, exclusion=at, formation=formation))) for p, at, _ in PUBLISHED]
-        first = next((r for *_, r in shown if r is not None), None)
-        ends = [(f"end\n{p}, {at:g} m", r, 1.0) for p, at, r in shown]
+        results = [(p, at, shown.first(p, at, formation=formation)) for p, at, _ in PUBLISHED]
+        first = next((r for *_, r in results if r is not None), None)
+        ends = [(f"end\n{p}, {at:g} m", r, 1.0) for p, at, r in results]
         rows.append((formation, [("start", first, 0.0), *ends]))
     found = [
         draw.save(

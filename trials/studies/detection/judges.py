@@ -2,8 +2,8 @@
 
 They were fixed before any data was seen, and changed in one point after it (claims 3, 8 and 12: see the docs).
 
-The table in docs/detection.md says, claim by claim, which measure decides in which trials, by
-which margin and why. The claims' words and sections stand in the study's published.toml.
+The table in docs/detection.md says, claim by claim, which measure decides in which trials, by which margin and why. The
+claims' words and sections stand in the study's published.toml.
 """
 
 from __future__ import annotations
@@ -36,7 +36,8 @@ SHORT = {
 PAIRS = ((SENSOR, MEMBER), (EXTRAPOLATED, MEMBER), (EXTRAPOLATED, SENSOR))
 
 BODY_DIAMETER_M = 0.33
-PROPER_M = 0.5
+EXCLUSIONS_M: list[float] = published(__package__, "fine2015", "detection_case_study")["exclusion_distances_m"]
+PROPER_M = EXCLUSIONS_M[1]
 """The exclusion distance at which the publication sees HA behaviour (section 2.4.1)."""
 
 LARGEST_PROPER_M = 1.0
@@ -144,7 +145,7 @@ def _too_large_returns(data: Data) -> Judged:
     cells = data.sweep()
     levels = cells.levels(EXCLUSION)
     at = levels[-1]
-    if at <= max(published(__package__, "fine2015", "detection_case_study")["exclusion_distances_m"]):
+    if at <= max(EXCLUSIONS_M):
         raise UndecidedError(f"its largest exclusion distance is {at:g} m: not beyond the publication's own")
     outcomes = []
     for name, measure in (("share that acts as SNN", ACTS[1]), ("SNN share of the approaches", "effective_snn_share")):
@@ -348,11 +349,10 @@ def _trend(cells: Cells, name: str, measure: str, levels: list[float]) -> Outcom
 
 def _exclusions(cells: Cells) -> list[float]:
     """The publication's exclusion distances; `UndecidedError` if the run lacks one."""
-    wanted: list[float] = published(__package__, "fine2015", "detection_case_study")["exclusion_distances_m"]
-    lacking = [at for at in wanted if at not in cells.levels(EXCLUSION)]
+    lacking = [at for at in EXCLUSIONS_M if at not in cells.levels(EXCLUSION)]
     if lacking:
         raise UndecidedError(f"the run has no trials with {EXCLUSION} = {', '.join(f'{at:g}' for at in lacking)}")
-    return wanted
+    return EXCLUSIONS_M
 
 
 def _nearest(levels: list[float], to: float) -> float:

@@ -25,7 +25,7 @@ from trials.studies.information.abstraction_design import (
     permits,
     rule_of,
 )
-from trials.studies.information.law_judges import IN_WORDS, Cell, alike, better, both, shared, verdict
+from trials.studies.information.law_judges import IN_WORDS, Cell, alike, better, both, held_in_all, verdict
 from trials.studies.information.law_survey import LAW
 
 TEST = (
@@ -110,4 +110,4 @@ def _judged(cells: Cells, rule: str) -> Judged:
     verdicts = [one.agrees for one in less]
     n = len(cells.values(law_survey.ORDER, *cell_of(rule, ALL_TOLD[0])))
     label = f"shown in {verdicts.count(True)} of {len(verdicts)} conditions, lost in {verdicts.count(False)}"
-    return shared(verdicts, label, n, TEST)
+    return held_in_all(verdicts, label, n, TEST)

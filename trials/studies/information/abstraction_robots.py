@@ -16,7 +16,7 @@ from trials.evidence.runs import Cells, Run, UndecidedError, arms
 from trials.reports import figures as draw
 from trials.reports.figures import Figure
 from trials.studies.information.abstraction_design import LCH, VARIATIONS, rule_of
-from trials.studies.information.law_judges import IN_WORDS, Cell, alike, better, both, mean_of, shared, verdict
+from trials.studies.information.law_judges import IN_WORDS, Cell, alike, better, both, held_in_all, mean_of, verdict
 from trials.studies.information.law_survey import CONTROL, LAW, judged_by, told_apart_by
 from trials.studies.information.verdict_maps import Square, verdict_map
 from trials.types import Value
@@ -126,4 +126,4 @@ def _judged(cells: Cells, law: str, asked: Sequence[Cell]) -> Judged:
     if not found:
         raise UndecidedError("the run takes no information away")
     label = f"shown in {found.count(True)} of {len(found)} conditions, lost in {found.count(False)}"
-    return shared(found, label, n, TEST)
+    return held_in_all(found, label, n, TEST)

@@ -25,7 +25,7 @@ from trials.studies.information.environment_design import (
     bumper_control,
     cell,
 )
-from trials.studies.information.law_judges import IN_WORDS, MARGINS, WORDS, Cell, gain, no_worse, shared, verdict
+from trials.studies.information.law_judges import IN_WORDS, MARGINS, WORDS, Cell, gain, held_in_all, no_worse, verdict
 from trials.studies.information.law_survey import CONTROL, LAW, ORDER, SHARE, SPREAD
 
 MEASURES = (SHARE, ORDER, SPREAD)
@@ -46,12 +46,12 @@ def _questions(cells: Cells) -> list[Question]:
     told = published(__package__, "fine2015", "environment")
     (losing, touching), (sections, section) = told["claims"], told["sections"]
     found = [
-        Question(f"fine2015, sections {sections}", law, losing, partial(_kept, cells, law)) for law in laws_of(cells)
+        Question(source=f"fine2015, sections {sections}", quantity=law, claim=losing, judge=partial(_kept, cells, law))
+        for law in laws_of(cells)
     ]
     if BUMPER in cells.levels(LAW):
-        found.append(
-            Question(f"fine2015, section {section}", f"{BUMPER} less random motion", touching, partial(_contact, cells))
-        )
+        quantity = f"{BUMPER} less random motion"
+        found.append(Question(f"fine2015, section {section}", quantity, touching, partial(_contact, cells)))
     return found
 
 
@@ -92,7 +92,7 @@ def _kept(cells: Cells, law: str) -> Judged:
         f"shown to lose nothing in {found.count(True)} of {len(found)} settings, to lose something in "
         f"{found.count(False)}"
     )
-    return shared(found, label, n, TEST)
+    return held_in_all(found, label, n, TEST)
 
 
 def contact(cells: Cells, settings: Sequence[Setting]) -> list[Outcome]:

@@ -64,9 +64,9 @@ def both(*verdicts: bool | None) -> bool | None:
     return False if False in verdicts else None if None in verdicts else True
 
 
-def shared(verdicts: Sequence[bool | None], label: str, n: int, test: str) -> Judged:
-    """A claim that must hold in every one of several conditions, each over `n` repeats; the report shows the share of
-    them for which it is shown."""
+def held_in_all(verdicts: Sequence[bool | None], label: str, n: int, test: str) -> Judged:
+    """A claim that must hold in every one of several conditions, of `n` repeats each. The report shows the share of
+    the conditions in which it is shown to hold."""
     agrees, nan = both(*verdicts), math.nan
     decision = Decision(agrees, nan, nan, verdicts.count(True) / len(verdicts), nan, nan, n, nan)
     return Judged(agrees, Outcome(label, decision, "share", nan, nan, True), (), test)

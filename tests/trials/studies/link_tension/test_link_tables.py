@@ -9,7 +9,7 @@ from tests.trials.made_up_run import finished
 from trials.design import plan
 from trials.evidence.claims import published
 from trials.simulations.kinematic.lattice_starts import BOTH, POSITION, VELOCITY
-from trials.studies.link_tension.claims import claims
+from trials.studies.link_tension.claims import ALPHA, PERIODS, STRENGTH, claims
 
 STUDY = "trials.studies.link_tension"
 
@@ -20,6 +20,17 @@ def test_link_tables_have_the_cells_that_are_measured_and_the_sums_that_the_text
     assert set(first) == set(second) == set(Outcomes._fields)
     told = published(STUDY, "akama2014", "simulations")["predicted_broken"][table]
     assert first["broken_broken"] + first["intact_predicted_broken"] == told
+
+
+def test_the_settings_are_the_published_ones() -> None:
+    told, made = published(STUDY, "akama2014", "simulations"), plan("link-tension", repeats=1)
+    assert made.conditions["herd.law.range_m"] == told["alpha"]  # in units of d, which is 1 m
+    assert made.conditions["formation.strength"] == told["beta"] == told["gamma"]
+    values = {row.key: row.value for row in made.parameters}
+    assert values["herd.count"] == told["agents"]
+    assert values["formation.spacing_m"] == told["stable_distance"]
+    assert {ALPHA, STRENGTH} <= {*told["alpha"], *told["beta"]}
+    assert len(PERIODS) == len(told["snapshots"]) - 1
 
 
 def test_every_number_of_the_tables_and_the_text_is_a_number_in_the_report() -> None:
