@@ -17,6 +17,6 @@ def all_pipelines() -> dict[str, ModuleType]:
     return {name: found.load(__name__, name, "pipeline") for name in found.modules(__name__)}
 
 
-def given(pipeline: ModuleType) -> frozenset[str]:
+def given_by(pipeline: ModuleType) -> frozenset[str]:
     """What a pipeline gives: its `GIVES`, or positions and bearings where it does not say."""
     return frozenset(getattr(pipeline, "GIVES", {"positions", "bearings", "obstacles"}))

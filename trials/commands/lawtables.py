@@ -17,7 +17,7 @@ from flocking import lawentry, selection
 from flocking.parameters import declared
 from flocking.perception import Step
 from flocking.taxonomy import Filled, Taxonomy, Validation
-from sensing.pipelines import INFERRED, OF_ITSELF, all_pipelines, given
+from sensing.pipelines import INFERRED, OF_ITSELF, all_pipelines, given_by
 
 STAGES = {
     "sensing": "S",
@@ -243,7 +243,7 @@ def _on_creates(law: ModuleType) -> str:
     lacking = (lawentry.needs_of(law) | _of_selections(law)) - OF_ITSELF
     ways = []
     for name, pipeline in sorted(all_pipelines().items()):
-        missing = lacking - given(pipeline)
+        missing = lacking - given_by(pipeline)
         if not missing:
             ways.append(name)
         elif missing <= INFERRED:

@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, NamedTuple
 
-from flocking import avoidance, found, obstacle_selection
+from flocking import found, obstacle_selection
 from flocking.errors import unknown_name
 from flocking.parameters import Parameter, filled
 from robots import body as bodies
-from sensing import association
 from sensing.laser import hokuyo
 from trials.rows import below
 from trials.simulations.robots.knowledge import SOURCES
@@ -198,35 +197,8 @@ def of_group(group: Group) -> GroupFields:
     return filled_in
 
 
-def laser_of(group: Group) -> hokuyo.Parameters:
-    """The laser's parameters: the named setting with the group's own values in place. Raises `InputError`."""
-    setting = hokuyo.SETTINGS[of_group(group).sensors]
-    given = below(group.setup, SENSORS)
-    changed = filled(hokuyo.Parameters, given, prefix=f"{group.name}.{SENSORS}")
-    return setting._replace(**{name: getattr(changed, name) for name in given})
-
-
-def association_of(group: Group) -> association.Parameters:
-    """The parameters of association. Raises `InputError`."""
-    return _below(group, ASSOCIATION, association.Parameters)
-
-
-def avoidance_of(group: Group) -> avoidance.Parameters:
-    """The parameters of the shared avoidance of obstacles. Raises `InputError`."""
-    return _below(group, AVOIDANCE, avoidance.Parameters)
-
-
-def pipeline_of(group: Group) -> Any:
-    """The module of a group's pipeline. Raises `InputError`."""
-    return found.load(PIPELINES, group.pipeline, "pipeline")
-
-
 def world_of(trial: Trial) -> Any:
     """The module of a trial's world. Raises `InputError`."""
     if trial.world.replace("_", "-") not in world_names():
         raise unknown_name("world", trial.world, world_names())
     return found.load(WORLDS, trial.world, "world")
-
-
-def _below(group: Group, prefix: str, parameters: type) -> Any:
-    return filled(parameters, below(group.setup, prefix), prefix=f"{group.name}.{prefix}")

@@ -6,13 +6,14 @@ import dataclasses
 from collections.abc import Mapping
 from typing import Any
 
-from flocking import avoidance, lawentry
+from flocking import avoidance
 from flocking.parameters import Parameter, declared
 from sensing import association
 from sensing.laser import hokuyo
 from trials.rows import Section, section
 from trials.simulations import spread
-from trials.simulations.robots import fields, information
+from trials.simulations.robots import fields
+from trials.simulations.robots.resolved import Resolved
 from trials.types import Group, Trial
 
 FOR_CREATES = Parameter("", "for Creates: the law's file")
@@ -26,40 +27,32 @@ def keys_of(trial: Trial, group: Group | None = None) -> list[Section]:
             section("", fields.TrialFields, lambda: fields.of_trial(trial)._asdict()),
             section("world.", world, lambda: _all(world, trial.world_parameters)),
         ]
-    law, pipeline = lawentry.module_of(group.law, group.law_source), fields.pipeline_of(group)
-    creates = getattr(law, "CREATE", {})
-    for_creates = {n: FOR_CREATES for n, v in creates.items() if group.law_parameters.get(n, v) == v}
+    its = Resolved(group)
+    law, pipeline, creates = its.law.Parameters, its.pipeline.Parameters, its.for_creates
+    words = {name: FOR_CREATES for name, value in creates.items() if group.law_parameters.get(name, value) == value}
     return [
-        section("", fields.GroupFields, lambda: fields.of_group(group)._asdict()),
-        Section(
-            "law.",
-            declared(law.Parameters),
-            lambda: _all(law.Parameters, {**creates, **group.law_parameters}),
-            for_creates,
-        ),
+        section("", fields.GroupFields, lambda: its.given._asdict()),
+        Section("law.", declared(law), lambda: _all(law, {**creates, **group.law_parameters}), words),
         spread.section_of(group),
-        section("pipeline.", pipeline.Parameters, lambda: _all(pipeline.Parameters, group.pipeline_parameters)),
-        section(fields.SENSORS, hokuyo.Parameters, lambda: fields.laser_of(group)._asdict()),
-        section(fields.ASSOCIATION, association.Parameters, lambda: _association_shown(group)),
-        section(fields.AVOIDANCE, avoidance.Parameters, lambda: _avoidance_shown(group)),
+        section("pipeline.", pipeline, lambda: _all(pipeline, group.pipeline_parameters)),
+        section(fields.SENSORS, hokuyo.Parameters, lambda: its.laser._asdict()),
+        section(fields.ASSOCIATION, association.Parameters, lambda: _shown(its.association, its.wanted.associate)),
+        section(fields.AVOIDANCE, avoidance.Parameters, lambda: _shown(its.avoidance, its.avoids)),
     ]
 
 
 def settled(trial: Trial) -> Trial:
     """`trial` with the law parameters with which Creates run it written down."""
-    groups = []
-    for group in trial.groups:
-        creates = getattr(lawentry.module_of(group.law, group.law_source), "CREATE", {})
-        groups.append(dataclasses.replace(group, law_parameters={**creates, **group.law_parameters}))
+    groups = [
+        dataclasses.replace(group, law_parameters={**Resolved(group).for_creates, **group.law_parameters})
+        for group in trial.groups
+    ]
     return dataclasses.replace(trial, groups=tuple(groups))
 
 
-def _association_shown(group: Group) -> dict[str, Any]:
-    return fields.association_of(group)._asdict() if information.wanted(group).associate else {}
-
-
-def _avoidance_shown(group: Group) -> dict[str, Any]:
-    return fields.avoidance_of(group)._asdict() if fields.of_group(group).obstacles != fields.AS_LAW else {}
+def _shown(parameters: Any, at_work: bool) -> dict[str, Any]:
+    """Parameters of what is at work; of what is not, none is shown."""
+    return parameters._asdict() if at_work else {}
 
 
 def _all(parameters: type, given: Mapping[str, Any]) -> dict[str, Any]:

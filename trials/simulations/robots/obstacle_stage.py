@@ -11,8 +11,8 @@ import numpy as np
 from flocking import avoidance, obstacle_selection
 from flocking.types import Floats, Motion, Obstacles, only
 from sensing.types import Detection
-from trials.simulations.robots.fields import AVOID, VIRTUAL, avoidance_of, of_group
-from trials.types import Group
+from trials.simulations.robots.fields import AVOID, VIRTUAL
+from trials.simulations.robots.resolved import Resolved
 
 AVOIDING = "avoiding"
 """Name of the rule that speaks where the added avoidance turned a motion."""
@@ -21,13 +21,13 @@ AVOIDING = "avoiding"
 class ObstacleStage:
     """Of one group."""
 
-    def __init__(self, group: Group, needs: frozenset[str]) -> None:
-        """`needs`: what the law and its selections read of members; raises `InputError`."""
-        fields = of_group(group)
-        self.steps = obstacle_selection.parse(fields.obstacle_selection)
-        self.parameters = avoidance_of(group)
-        self.avoids = fields.obstacles == AVOID
-        self.virtual = fields.obstacles == VIRTUAL
+    def __init__(self, resolved: Resolved) -> None:
+        """Raises `InputError`."""
+        given, needs = resolved.given, resolved.wanted.needs
+        self.steps = obstacle_selection.parse(given.obstacle_selection)
+        self.parameters = resolved.avoidance
+        self.avoids = given.obstacles == AVOID
+        self.virtual = given.obstacles == VIRTUAL
         self.acts = self.virtual or bool(self.steps)
         self._needs_headings = "headings" in needs
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from flocking import found
 from robots import body as bodies
 from trials.simulations.contract import Simulation
-from trials.simulations.robots import fields, herd, keys, worldfile
+from trials.simulations.robots import checks, fields, keys, worldfile
 from trials.simulations.robots.measures import ABOUT, HEADINGS, KEY_MEASURES
 from trials.types import Trial, TrialResult, with_setup
 from worlds import formations
@@ -79,7 +79,7 @@ def listed(kind: str) -> Mapping[str, object]:
 
 SIMULATION = Simulation(
     keys_of=keys.keys_of,
-    check=herd.check,
+    check=checks.check,
     settled=keys.settled,
     run_trial=run_trial,
     record=record,

@@ -19,6 +19,7 @@ from trials.simulations.robots import fields, information
 from trials.simulations.robots.herd import assemble
 from trials.simulations.robots.knowledge import COMPASS, GOAL, SOURCES
 from trials.simulations.robots.loop import run_trial
+from trials.simulations.robots.resolved import Resolved
 from trials.types import Group, Trial
 
 SECONDS = 2.0
@@ -65,7 +66,7 @@ def runnable(name: str) -> Group:
     text = "; ".join(f"{one}: fixed-set(0, 1, 2)" for one in graphs) or "all"
     group = fields.group(count=3, law=name, selection=text, informed=1, goal_x_m=50.0)
     try:
-        information.check(group)
+        information.check(Resolved(group))
     except InputError:
         return dataclasses.replace(group, pipeline="perfect")
     return group
@@ -289,10 +290,10 @@ def test_sets_are_replaced_by_their_names() -> None:
         law="couzin",
         settings={"herd.selection": "interaction: k-nearest(2); repulsion: nearest"},
     )
-    steps = information.selections(made.trials[0].groups[0])
+    steps = Resolved(made.trials[0].groups[0]).selections
     assert [[step.step.name for step in one] for one in steps] == [["NEAREST"], ["K_NEAREST"]]
     limited = plan("detection-case-study", repeats=1, law="couzin", settings={"herd.selection": "nearest"})
-    steps = information.selections(limited.trials[0].groups[0])
+    steps = Resolved(limited.trials[0].groups[0]).selections
     assert [[step.step.name for step in one] for one in steps] == [["NEAREST", "DISTANCE_BASED"]] * 2
 
 
