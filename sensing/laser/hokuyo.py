@@ -101,7 +101,8 @@ _RAW_RANGE, _RAW_INTENSITY = BEAMS // 2, (BEAMS + 3) // 4
 class Lasers:
     """The lasers of all robots of one compiled model: robot k carries `sites[k]` and owns all beneath `roots[k]`.
 
-    A laser looks along the x axis of its site, whose z axis is upright. It never sees what its own robot owns.
+    A laser looks along the x axis of its site, whose z axis is upright. It never sees what its own robot owns. The data
+    that they read may be of another model, if its bodies and joints are the same: one without what only lasers see.
     """
 
     def __init__(
@@ -160,6 +161,7 @@ class Lasers:
         self._addresses = np.where(self.slice.addresses < 0, 0, self.slice.addresses)
         if self._needs_kinematics:
             self._addresses = 7 * self.slice.bodies
+            self._placed = mujoco.MjData(model)
         self._poses = np.zeros((1, frames, 4))
         self._lasers = np.zeros((1, 4))
         self._sweep_poses = np.zeros((BEAMS if self.needs_history else 0, frames, 4))
@@ -264,8 +266,10 @@ class Lasers:
         """Where positions and quaternions stand: qpos, which never lags; else those of all bodies."""
         if not self._needs_kinematics:
             return data.qpos
-        mujoco.mj_kinematics(self._model, data)
-        return np.concatenate([data.xpos, data.xquat], axis=1).ravel()
+        placed = self._placed
+        placed.qpos[:], placed.mocap_pos[:], placed.mocap_quat[:] = data.qpos, data.mocap_pos, data.mocap_quat
+        mujoco.mj_kinematics(self._model, placed)
+        return np.concatenate([placed.xpos, placed.xquat], axis=1).ravel()
 
     def _place(self, data: mujoco.MjData) -> None:
         parts = self.slice

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from flocking import found
 from flocking.parameters import filled
+from robots import body
 from trials.streams import Purpose, stream
 from trials.types import Trial
 from worlds import formations
@@ -18,7 +19,7 @@ def world_xml(trial: Trial) -> str:
     poses_w = formations.poses(trial.formation, len(members), stream(trial.seed, trial.repeat, 0, 0, Purpose.START))
     spec = specification(
         walls,
-        [group.body for group, _ in members],
+        [body.load(group.body) for group, _ in members],
         [f"{group.name}-{k + 1}" for group, k in members],
         poses_w,
         trial.timestep_s,

@@ -46,7 +46,7 @@ def driven(timestep: float) -> Outcome:
             world.fleet.command(k, speed, turn_rate * (-1) ** k)
     world.advance(to=round(SECONDS / timestep))
     roots = [int(root) for root in world.fleet.root_bodies]
-    lasers = Lasers(world.model, [f"{name}/laser" for name in names], roots, [SETTINGS["ideal"]] * 6)
+    lasers = Lasers(world.whole, [f"{name}/laser" for name in names], roots, [SETTINGS["ideal"]] * 6)
     rng = np.random.default_rng(0)
     ranges = [lasers.read(world.data, k, world.data.time, rng)[0].ranges for k in range(6)]
     return Outcome(world.fleet.poses(world.data), world.fleet.odometry, np.array(ranges))
