@@ -47,7 +47,7 @@ class Fleet(Protocol):
         """Bring the actuators' controls up to date."""
 
     def after_step(self, data: mujoco.MjData) -> bool:
-        """Read encoders and bumpers. Whether any hull is in a contact, pressed or not."""
+        """Read encoders and bumpers. Whether any hull is pressed: whether there may be a touch to be noted."""
 
     def poses(self, data: mujoco.MjData) -> Floats:
         """(N, 3) true x, y (m) and heading (rad, in (−π, π]) at `data.time`."""

@@ -47,10 +47,10 @@ class MixedFleet:
             fleet.before_step(data)
 
     def after_step(self, data: mujoco.MjData) -> bool:
-        touching = False
+        pressed = False
         for fleet in self.fleets:
-            touching |= fleet.after_step(data)
-        return touching
+            pressed |= fleet.after_step(data)
+        return pressed
 
     def poses(self, data: mujoco.MjData) -> Floats:
         poses = np.empty((len(self._place), 3))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import mujoco
@@ -28,6 +29,7 @@ class World:
     """A compiled world with its robots; the only mutable thing in a trial besides the robots' minds."""
 
     model: mujoco.MjModel
+    """What is stepped: robots without their looks."""
     data: mujoco.MjData
     fleet: Fleet
     """All robots, of one kind or of several."""
@@ -41,12 +43,22 @@ class World:
     _last_touch: Ints
     _began: Floats
     _release: int
-    _forces: Floats = field(default_factory=lambda: np.empty(0))
+    _poses_w: Floats
+    """(N, 3) at the start."""
     contacts: list[tuple[float, ...]] = field(default_factory=list)
     """One row for each touch that began: time, robot, other (−1 = a wall), x, y."""
     observers: list[Callable[[mujoco.MjData], None]] = field(default_factory=list)
     """Called after every step: sensors that need to know how the robots moved."""
     tick: int = 0
+
+    @cached_property
+    def whole(self) -> mujoco.MjModel:
+        """The model with all that can be seen, for lasers, cameras and viewers.
+
+        Bodies, joints and actuators have the numbers that they have in `model`, so that places in `data.qpos` are the
+        same; geoms and sites have not.
+        """
+        return specification(self.walls, self.bodies, self.names, self._poses_w, self.model.opt.timestep).compile()
 
     def advance(self, to: int) -> None:
         """Steps physics until tick `to`: wheel ramps before every step, encoders and contacts after it."""
@@ -54,21 +66,18 @@ class World:
         while self.tick < to:
             fleet.before_step(data)
             step(model, data)
-            touched = fleet.after_step(data)
+            pressed = fleet.after_step(data)
             self.tick += 1
-            if touched:
+            if pressed:
                 self._note_touches()
             for observe in self.observers:
                 observe(data)
 
     def _note_touches(self) -> None:
         contact, data = self.data.contact, self.data
-        if len(self._forces) < data.ncon:
-            self._forces = np.empty(2 * data.ncon)
-        touching.normal_forces(contact.efc_address, contact.dim, data.efc_force, self._forces)
         count = touching.begun(
-            contact.geom, contact.pos, self._forces, self._owners, self._last_touch, self.tick, self._release,
-            self._began,
+            contact.geom, contact.pos, contact.efc_address, contact.dim, data.efc_force, self._owners, self._last_touch,
+            self.tick, self._release, self._began,
         )  # fmt: skip
         if count:
             self.contacts += [(data.time, *row) for row in self._began[:count].tolist()]
@@ -90,7 +99,7 @@ def build(
     module = found.load("worlds", world, "world")
     parameters = filled(module.Parameters, world_parameters, prefix="world.")
     walls = module.walls(parameters)
-    model = specification(walls, bodies, names, poses_w, timestep_s).compile()
+    model = specification(walls, kinds, names, poses_w, timestep_s, looks=False).compile()
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     fleet = fleet_of(model, kinds, [prefix(name) for name in names])
@@ -106,6 +115,7 @@ def build(
         _last_touch=np.full((len(names), len(names) + 1), NEVER, dtype=np.int64),
         _began=np.empty((_NEW_CONTACTS, 4)),
         _release=round(touching.APART_S / timestep_s),
+        _poses_w=poses_w.copy(),
     )
 
 
@@ -115,10 +125,16 @@ def prefix(name: str) -> str:
 
 
 def specification(
-    walls: Walls, bodies: Sequence[str], names: Sequence[str], poses_w: Floats, timestep_s: float
+    walls: Walls,
+    kinds: Sequence[Body],
+    names: Sequence[str],
+    poses_w: Floats,
+    timestep_s: float,
+    looks: bool = True,
 ) -> mujoco.MjSpec:
-    """Floor, walls and robots as an editable specification."""
+    """Floor, walls and robots as an editable specification; without `looks` only what physics needs of the robots."""
     spec = mujoco.MjSpec()
+    spec.copy_during_attach = True
     spec.modelname = "herd"
     physics.apply_options(spec, timestep_s)
     spec.worldbody.add_light(pos=[0.0, 0.0, 6.0], dir=[0.0, 0.0, -1.0])
@@ -131,9 +147,12 @@ def specification(
         rgba=[0.92, 0.92, 0.9, 1.0],
     )
     add_walls(spec, walls)
-    for kind, name, (x, y, heading) in zip(bodies, names, poses_w, strict=True):
+    robots = {name: kind.spec() for name, kind in {kind.name: kind for kind in kinds}.items()}
+    if not looks:
+        robots = {name: physics.bare(robot) for name, robot in robots.items()}
+    for kind, name, (x, y, heading) in zip(kinds, names, poses_w, strict=True):
         frame = spec.worldbody.add_frame(pos=[x, y, 0.0], quat=[math.cos(heading / 2), 0.0, 0.0, math.sin(heading / 2)])
-        spec.attach(body.load(kind).spec(), prefix=prefix(name), frame=frame)
+        spec.attach(robots[kind.name], prefix=prefix(name), frame=frame)
     return spec
 
 

@@ -13,8 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from flocking.compilation import compiled
-from flocking.types import Floats, Ints
-from robots.touching import UNOWNED
+from flocking.types import Floats
 
 FORCE = 0.5
 """N that press a bumper's switch; ?"""
@@ -65,33 +64,18 @@ def recorded(ring: Ring) -> Any:
 
 
 @compiled
-def felt(
-    rings: Any, roots: Ints, hulls: Ints, pairs: Ints, points: Floats, forces: Floats, xpos: Floats, xmat: Floats,
-    pressing: Floats,
-) -> None:  # fmt: skip
-    """Fills `pressing` (N, 2) with what each switch feels, left and right, N.
+def add(force: float, point: Floats, ring: Any, centre: Floats, turn: Floats, pressing: Floats) -> None:
+    """Adds the normal force (N) of a contact of the ring to what the left and the right switch feel, `pressing` (2,).
 
-    roots (N,): the robots' root bodies; hulls (ngeom,): whose hull a geom is, or `UNOWNED`; pairs (C, 2), points
-    (C, 3), forces (C,): geoms, places in the world and normal forces of the contacts that the step has found; xpos
-    (nbody, 3), xmat (nbody, 9): of that same moment.
+    point (3,): the contact's place; centre (3,) and turn (9,): the robot's place and rotation matrix at that moment,
+    all in the world; ring: a record that `recorded` makes.
     """
-    ring = rings[0]
-    pressing[:] = 0.0
-    for c in range(len(pairs)):
-        if forces[c] <= 0.0:
-            continue
-        for end in range(2):
-            k = hulls[pairs[c, end]]
-            if k == UNOWNED:
-                continue
-            root = roots[k]
-            away = points[c] - xpos[root]
-            turn = xmat[root]
-            x = turn[0] * away[0] + turn[3] * away[1] + turn[6] * away[2]
-            y = turn[1] * away[0] + turn[4] * away[1] + turn[7] * away[2]
-            z = turn[2] * away[0] + turn[5] * away[1] + turn[8] * away[2]
-            if 0.0 <= x <= ring.reach and abs(z - ring.height) <= ring.half_height:
-                if -ring.overlap <= y <= ring.reach:
-                    pressing[k, 0] += forces[c]
-                if -ring.reach <= y <= ring.overlap:
-                    pressing[k, 1] += forces[c]
+    away_x, away_y, away_z = point[0] - centre[0], point[1] - centre[1], point[2] - centre[2]
+    x = turn[0] * away_x + turn[3] * away_y + turn[6] * away_z
+    y = turn[1] * away_x + turn[4] * away_y + turn[7] * away_z
+    z = turn[2] * away_x + turn[5] * away_y + turn[8] * away_z
+    if 0.0 <= x <= ring.reach and abs(z - ring.height) <= ring.half_height:
+        if -ring.overlap <= y <= ring.reach:
+            pressing[0] += force
+        if -ring.reach <= y <= ring.overlap:
+            pressing[1] += force

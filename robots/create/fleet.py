@@ -94,8 +94,7 @@ class Fleet:
         self._linear = first.reshape(-1, 1) + np.arange(2)
         self.pressing: Floats = np.zeros((count, 2))
         """(N, 2) N that press on the left and the right bumper since the last step."""
-        self._forces = np.empty(0)
-        self._touched = False
+        self._pressed = False
 
     def command(self, k: int, speed: float, turn_rate: float) -> None:
         """Tell robot k to drive at `speed` (m/s) and `turn_rate` (rad/s), as far as its drive command can say."""
@@ -110,27 +109,17 @@ class Fleet:
         _ramped(self._each, self._all, data.ctrl)
 
     def after_step(self, data: mujoco.MjData) -> bool:
-        """Poll encoders and bumpers. Whether any hull is in a contact, pressed or not."""
-        touching: bool = _polled(self._each, self._all, data.time, data.qpos, data.contact.geom, self._hulls)
-        if touching or self._touched:
-            self._feel(data)
-            self._touched = touching
-        return touching
-
-    def _feel(self, data: mujoco.MjData) -> None:
-        """The bumpers, from the contacts of the last step."""
+        """Poll encoders and bumpers. Whether any hull is pressed."""
         contact = data.contact
         pairs = contact.geom
-        if len(self._forces) < len(pairs):
-            self._forces = np.empty(2 * len(pairs))
-        touching.normal_forces(contact.efc_address, contact.dim, data.efc_force, self._forces)
-        bumpers.felt(
-            self._ring, self.root_bodies, self._hulls, pairs, contact.pos, self._forces, data.xpos, data.xmat,
-            self.pressing,
+        near: bool = _polled(self._each, self._all, data.time, data.qpos, pairs, self._hulls)
+        if not (near or self._pressed):
+            return False
+        self._pressed = _felt(
+            self._each, self._ring, self.root_bodies, self._hulls, pairs, contact.pos, contact.efc_address, contact.dim,
+            data.efc_force, data.xpos, data.xmat, self.pressing,
         )  # fmt: skip
-        pressed = self.pressing > bumpers.FORCE
-        self._each["pressed"] = pressed
-        self._each["latched"] |= pressed
+        return self._pressed
 
     def poses(self, data: mujoco.MjData) -> Floats:
         """(N, 3) true x, y (m) and heading (rad, in (−π, π]) of all robots, at `data.time`."""
@@ -283,6 +272,35 @@ def _polled(each: Any, shared: Any, time: float, qpos: Floats, pairs: Ints, hull
         robot.angle[0], robot.angle[1] = left, right
     fleet.requests = due
     return touching.any_hull(pairs, hulls)
+
+
+@compiled
+def _felt(
+    each: Any, rings: Any, roots: Ints, hulls: Ints, pairs: Ints, points: Floats, rows: Ints, dimensions: Ints,
+    efc_force: Floats, xpos: Floats, xmat: Floats, pressing: Floats,
+) -> bool:  # fmt: skip
+    """The bumpers, from the contacts that the step has found. Whether any hull is pressed.
+
+    Arguments as in `bumpers.add` and `touching.normal_force`. They are arrays and not a tuple of them, which would cost
+    as much as all the rest of the call.
+    """
+    pressing[:] = 0.0
+    pressed = False
+    for c in range(len(pairs)):
+        for end in range(2):
+            k = hulls[pairs[c, end]]
+            if k != touching.UNOWNED:
+                force = touching.normal_force(rows[c], dimensions[c], efc_force)
+                if force > 0.0:
+                    root = roots[k]
+                    bumpers.add(force, points[c], rings[0], xpos[root], xmat[root], pressing[k])
+                    pressed = True
+    for k in range(len(each)):
+        robot = each[k]
+        for side in range(2):
+            robot.pressed[side] = 1 if pressing[k, side] > bumpers.FORCE else 0
+            robot.latched[side] |= robot.pressed[side]
+    return pressed
 
 
 @compiled

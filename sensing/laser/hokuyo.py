@@ -100,7 +100,8 @@ _NOTHING = np.empty(0)
 class Lasers:
     """The lasers of all robots of one compiled model: robot k carries `sites[k]` and owns all beneath `roots[k]`.
 
-    A laser looks along the x axis of its site, whose z axis is upright. It never sees what its own robot owns.
+    A laser looks along the x axis of its site, whose z axis is upright. It never sees what its own robot owns. The data
+    that they read may be of another model, if its bodies and joints are the same: one without what only lasers see.
     """
 
     def __init__(
@@ -153,6 +154,8 @@ class Lasers:
         self._frames = planar.Frames(
             7 * self.slice.bodies if self._needs_kinematics else addresses, self.slice.levels_m, self.slice.height_m
         )
+        if self._needs_kinematics:
+            self._placed = mujoco.MjData(model)
         self._now = planar.Places(np.zeros((1, frames, 4)), np.zeros((1, 4)))
         instants = BEAMS if self.needs_history else 0
         self._sweep = planar.Places(np.zeros((instants, frames, 4)), np.zeros((instants, 4)))
@@ -267,8 +270,10 @@ class Lasers:
         """Where positions and quaternions stand: qpos, which never lags; else those of all bodies."""
         if not self._needs_kinematics:
             return data.qpos
-        mujoco.mj_kinematics(self._model, data)
-        return np.concatenate([data.xpos, data.xquat], axis=1).ravel()
+        placed = self._placed
+        placed.qpos[:], placed.mocap_pos[:], placed.mocap_quat[:] = data.qpos, data.mocap_pos, data.mocap_quat
+        mujoco.mj_kinematics(self._model, placed)
+        return np.concatenate([placed.xpos, placed.xquat], axis=1).ravel()
 
     def _expect_level(self, fallen: int) -> None:
         """Raises InputError for a frame that leans or is lifted; `LEVEL` = none."""

@@ -77,6 +77,33 @@ def test_its_xml_is_what_the_code_makes_and_loads_alone(body: Body) -> None:
     assert mujoco.MjModel.from_xml_path(str(path)).nq == body.spec().compile().nq
 
 
+def test_without_its_looks_it_moves_as_the_whole_one_does(body: Body) -> None:
+    """Bit for bit: driven about with a wheel now against, now off a wall."""
+    ends, counts = [], []
+    for strip in (lambda robot: robot, physics.bare):
+        spec = mujoco.MjSpec()
+        physics.apply_options(spec)
+        plane, box = mujoco.mjtGeom.mjGEOM_PLANE, mujoco.mjtGeom.mjGEOM_BOX
+        spec.worldbody.add_geom(type=plane, size=(0, 0, 1), contype=physics.FLOOR_MASK, conaffinity=0)
+        mask = {"contype": physics.HULL_MASK, "conaffinity": physics.HULL_MASK}
+        spec.worldbody.add_geom(type=box, size=(0.1, 2.0, 0.25), pos=(0.5, 0.0, 0.25), **mask)
+        for k in range(2):
+            spec.attach(strip(body.spec()), prefix=f"{k}/", frame=spec.worldbody.add_frame(pos=(0.0, k, 0.0)))
+        model = spec.compile()
+        data = mujoco.MjData(model)
+        rng, rows = np.random.default_rng(4), []
+        for _ in range(20):
+            data.ctrl[:] = rng.uniform(-3.0, 12.0, model.nu)
+            mujoco.mj_step(model, data, 25)
+            rows.append(np.concatenate([data.qpos, data.qvel]))
+        ends.append(np.array(rows))
+        counts.append((model.nbody, model.njnt, model.nu, model.ngeom))
+        assert data.ncon > 0
+    np.testing.assert_array_equal(*ends)
+    assert counts[0][:3] == counts[1][:3]
+    assert counts[1][3] < counts[0][3]
+
+
 def test_its_constants_stand_in_modules_that_exist(body: Body) -> None:
     from trials.commands.constants import constants
 

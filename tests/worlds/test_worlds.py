@@ -100,6 +100,21 @@ class TestWalls:
         assert np.ptp(walls.segments[:, 1]) == pytest.approx(7 * DIAMETER)
 
 
+class TestLooks:
+    def test_what_lasers_see_stands_where_physics_has_it(self) -> None:
+        """Bodies, joints and actuators have the same names in the same order, the walls and hulls the same shapes."""
+        world = built()
+        whole, model = world.whole, world.model
+        assert (whole.nq, whole.nv, whole.nu, whole.nbody) == (model.nq, model.nv, model.nu, model.nbody)
+        for kind, count in (("body", model.nbody), ("joint", model.njnt), ("actuator", model.nu)):
+            named = [[getattr(m, kind)(k).name for k in range(count)] for m in (whole, model)]
+            assert named[0] == named[1]
+        np.testing.assert_array_equal(whole.jnt_qposadr, model.jnt_qposadr)
+        np.testing.assert_array_equal(whole.qpos0, model.qpos0)
+        assert {model.geom(k).name for k in range(model.ngeom)} < {whole.geom(k).name for k in range(whole.ngeom)}
+        assert whole.site("herd-1/laser").bodyid[0] == world.fleet.root_bodies[0]
+
+
 class TestContacts:
     def test_a_robot_driven_against_another_touches_it_once(self) -> None:
         world = built(gap=1.0)

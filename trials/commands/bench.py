@@ -24,6 +24,7 @@ import numpy as np
 
 from flocking.errors import InputError
 from flocking.types import Floats
+from robots import body as bodies
 from trials.commands import bench_kinematic
 from trials.design import plan
 from trials.simulations.robots.fields import of_trial
@@ -180,7 +181,7 @@ def laser_against_rays() -> list[Figure]:
     angles = np.arange(40) * 2 * math.pi / 40
     corners = 5.0 * np.stack([np.cos(angles), np.sin(angles)], axis=1)
     segments = np.hstack([corners, np.roll(corners, -1, axis=0)])
-    model = specification(Walls(segments, 0.8), ["create"] * 25, names, poses_w, 0.01).compile()
+    model = specification(Walls(segments, 0.8), [bodies.load("create")] * 25, names, poses_w, 0.01).compile()
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     sites = [f"{prefix(name)}laser" for name in names]

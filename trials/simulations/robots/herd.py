@@ -77,7 +77,7 @@ def assemble(trial: Trial, record: bool) -> Herd:
     lasers = None
     if record or any("truth" not in r for r in reads):
         lasers = hokuyo.Lasers(
-            world.model,
+            world.whole,
             [f"{prefix(name)}{body.mount('laser').site}" for name, body in zip(names, world.bodies, strict=True)],
             [int(root) for root in world.fleet.root_bodies],
             [minds[g].its.laser for g, _ in numbers],

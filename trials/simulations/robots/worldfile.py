@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from flocking.parameters import filled
-from trials.simulations.robots.fields import of_group, of_trial, world_of
+from trials.simulations.robots.fields import of_trial, world_of
+from trials.simulations.robots.resolved import Resolved
 from trials.simulations.robots.starts import starting_poses
 from trials.types import Trial
 from worlds.assemble import specification
@@ -16,7 +17,7 @@ def world_xml(trial: Trial) -> str:
     walls = module.walls(filled(module.Parameters, trial.world_parameters, prefix="world."))
     spec = specification(
         walls,
-        [of_group(group).body for group, _ in members],
+        [Resolved(group).body for group, _ in members],
         [f"{group.name}-{k + 1}" for group, k in members],
         starting_poses(trial),
         of_trial(trial).timestep_s,

@@ -47,7 +47,7 @@ def driven(timestep: float) -> Outcome:
             world.fleet.command(k, speed, turn_rate * (-1) ** k)
     world.advance(to=round(SECONDS / timestep))
     roots = [int(root) for root in world.fleet.root_bodies]
-    lasers = Lasers(world.model, [f"{name}/laser" for name in names], roots, [SETTINGS["ideal"]] * 6)
+    lasers = Lasers(world.whole, [f"{name}/laser" for name in names], roots, [SETTINGS["ideal"]] * 6)
     draws = range_draws(np.random.default_rng(0))
     ranges = [lasers.read(world.data, k, world.data.time, draws)[0].ranges for k in range(6)]
     return Outcome(world.fleet.poses(world.data), world.fleet.odometry, np.array(ranges))

@@ -116,7 +116,7 @@ class TestSeen:
         """A disc of radius r at distance d: the nearest reading d − r, and 2 asin(r / d) of beams."""
         built = world(("create", 0.0, 0.0, 0.0), ("create-small", distance, 0.0, 1.0), ("create", 0.0, distance, 2.0))
         sites = [f"r{k}/laser" for k in range(3)]
-        lasers = Lasers(built.model, sites, built.fleet.root_bodies.tolist(), [SETTINGS["ideal"]] * 3)
+        lasers = Lasers(built.whole, sites, built.fleet.root_bodies.tolist(), [SETTINGS["ideal"]] * 3)
         radii = [kind.silhouette_radius for kind in built.bodies]
         np.testing.assert_allclose(lasers.silhouette_radii, radii, rtol=1e-12)
         scan, truth = lasers.read(built.data, 0, 0.0, np.random.default_rng(0), None)
