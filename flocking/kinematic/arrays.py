@@ -17,11 +17,11 @@ POSES, BEARINGS = 0, 1
 
 
 COSINE = 1
-"""Of the numbers of ANGLE: where the cosine of its angle stands, if all members share it."""
+"""Where, among the numbers of an ANGLE step, the cosine of the angle stands if all members share that angle."""
 
 
 class Bodies(NamedTuple):
-    """What moves."""
+    """The state of each member's body, and its law's memory."""
 
     positions: Floats
     """(N, 2)."""
@@ -34,7 +34,7 @@ class Bodies(NamedTuple):
     contacts: Bools
     """(N, 2) left and right bumper pressed in the last step."""
     memory: Floats
-    """(N, MEMORY) of the laws; as wide as the widest."""
+    """(N, MEMORY) numbers that the laws keep; as wide as the law that keeps most."""
 
 
 class Limits(NamedTuple):
@@ -51,16 +51,16 @@ class Limits(NamedTuple):
 
 
 class Minds(NamedTuple):
-    """What each member is given."""
+    """What each member's law is given."""
 
     parameters: Floats
-    """(N, P) of its law, as wide as the widest; (1, P) if all members have the same."""
+    """(N, P) of its law, as wide as the law that has most; (1, P) if all members have the same."""
     goals: Floats
     """(N, 2) nan = none."""
 
 
 class Place(NamedTuple):
-    """Where they are."""
+    """The space that the members are in, and what joins them."""
 
     period: float
     """Side of the periodic square [0, period)²; 0 = not periodic."""
@@ -108,13 +108,13 @@ class Stages(NamedTuple):
     named: Ints
     """(S, K, ARGUMENTS)."""
     varied: bool
-    """Whether members differ in the numbers of `named`; else `given` has them all."""
+    """Whether members differ in their parameters: `named` then says where to read them, else `given` has them all."""
     parameters: int
     """How many of the columns of `Minds.parameters` are the law's."""
     memory: int
-    """Likewise of `Bodies.memory`."""
+    """How many of the columns of `Bodies.memory` are the law's."""
     reach: float
-    """Nobody beyond it can matter; inf = no limit."""
+    """Members beyond this distance change nothing; inf = no limit."""
     bearings: bool
     """Whether the law or a selection reads bearings."""
     headings: bool
@@ -124,13 +124,13 @@ class Stages(NamedTuple):
     information: int
     """POSES or BEARINGS."""
     assumed_distance: float
-    """At which a member is taken to be of which only the bearing is known."""
+    """Distance at which a member is taken to be if only its bearing is known."""
     silhouette: float
     """Radius of the members as a laser sees them."""
     sight: float
     """Range of obstacles and of the laser."""
     role: int
-    """Of all members of the band."""
+    """Role of all members of the band."""
     goal: bool
     """Whether the law reads its goal."""
     contacts: bool
@@ -138,27 +138,30 @@ class Stages(NamedTuple):
     obstacles: bool
     """Whether the law reads obstacles."""
     obstacle_steps: Ints
-    """(K,) of the obstacles' selection, as in `flocking.obstacle_selection.program`."""
+    """(K,) steps of the obstacles' selection, as in `flocking.obstacle_selection.program`."""
     obstacle_given: Floats
-    """(K,)."""
+    """(K,) the number of each."""
     avoids: bool
     """Whether the shared avoidance is added to the law."""
     virtual: bool
     """Whether obstacles become virtual members."""
     virtual_range: float
+    """Distance within which they do."""
     look_ahead: float
+    """Of the shared avoidance."""
     margin: float
+    """Of the shared avoidance."""
 
 
 def example_bodies() -> Bodies:
-    """Of the right types, for the kernel's signature."""
+    """Bodies of the right types, for the kernel's signature."""
     return Bodies(
         np.empty((0, 2)), np.empty(0), np.empty((0, 2)), np.empty(0), np.empty((0, 2), np.bool_), np.empty((0, 0))
     )
 
 
 def example_herd() -> HerdArrays:
-    """Likewise."""
+    """A herd of the right types, for the kernel's signature."""
     limits = Limits(np.empty(0), np.empty(0), np.empty(0), np.empty(0))
     minds = Minds(np.empty((0, 0)), np.empty((0, 2)))
     place = Place(0.0, np.empty((0, 4)), 0.0, np.empty((0, 0), np.bool_), np.empty((0, 0), np.bool_))
@@ -166,12 +169,12 @@ def example_herd() -> HerdArrays:
 
 
 def example_tracks() -> Tracks:
-    """Likewise."""
+    """Tracks of the right types, for the kernel's signature."""
     return Tracks(np.empty((0, 0, 5)), 1, 0)
 
 
 def example_stages() -> Stages:
-    """Likewise."""
+    """Stages of the right types, for the kernel's signature."""
     return Stages(
         np.zeros((1, 1), np.int64),
         np.zeros((1, 1, ARGUMENTS)),

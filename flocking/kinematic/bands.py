@@ -1,4 +1,4 @@
-"""Who a kinematic herd is made of and where it lives, as Python says it and as the compiled code takes it.
+"""A herd's bands and space: as users describe them, and as arrays for the compiled code.
 
 Metres, seconds, radians; world frame.
 """
@@ -27,9 +27,9 @@ gets through, and far below what matters."""
 KINDS = ("unbounded", "bounded", "periodic")
 DETECTIONS = {member.name.lower().replace("_", "-"): int(member) for member in detection.Detection}
 MOST_M = 1e9
-"""Largest length that a member may have or assume."""
+"""Largest radius or assumed distance."""
 MOST_LINKED = 5000
-"""Members for which Voronoi cells and links are kept as a square array."""
+"""Most members for which Voronoi cells or a graph are kept: each is an (N, N) array."""
 OBSTACLES = ("as-law", "avoid", "virtual-members")
 INFORMATION = {"poses": POSES, "bearings": BEARINGS}
 
@@ -52,7 +52,7 @@ class Space:
         return CLEARANCE * max(1.0, far, self.size_m if self.kind != "unbounded" else 0.0)
 
     def place(self, graph: Bools | None = None, count: int = 0) -> Place:
-        """As the compiled code takes it, for `count` members. Raises `InputError` for a space that there is not."""
+        """As the compiled code takes it, for `count` members. Raises `InputError` for what is no valid space."""
         if self.kind not in KINDS:
             raise InputError(f"space {self.kind!r}: expected {' or '.join(KINDS)}")
         if self.kind != "unbounded" and not 0.0 < self.size_m < math.inf:

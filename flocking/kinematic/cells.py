@@ -13,10 +13,10 @@ from flocking.types import Floats, Ints
 FEWEST_MEMBERS = 48
 """Below it, looking at everybody is as fast as binning. (measured)"""
 FINEST = 1e-6
-"""Part by which cells are wider than asked, and of the herd's width that they have at least: numbers of columns up to
-its inverse are then right to far less than one."""
+"""Cells are wider than asked by this part, and at least this part of the herd's width: so there are at most a million
+columns, and rounding moves nobody by more than a small part of one."""
 FEWEST_CELLS = 4
-"""Along each axis; with fewer, the nine cells are most of the space."""
+"""Fewest cells along each axis; with fewer, the nine cells of a search are most of the space."""
 
 
 class Cells(NamedTuple):
@@ -39,13 +39,13 @@ class Cells(NamedTuple):
 
 @compiled
 def no_cells() -> Cells:
-    """Look at everybody."""
+    """No cells: a search then looks at every member."""
     return Cells(0, 0, False, 0.0, 0.0, 1.0, 1.0, np.empty(0, np.int64), np.empty(0, np.int64))
 
 
 @compiled
 def no_members() -> Ints:
-    """Nobody."""
+    """An empty list of members."""
     return np.empty(0, np.int64)
 
 
@@ -125,9 +125,10 @@ def cell_of(cells: Cells, x: float, y: float) -> tuple[int, int]:
 
 @compiled
 def nearby(cells: Cells, x: float, y: float, found: Ints) -> int:
-    """Writes the slots `start, end` in `Cells.members` of the nine cells about (x, y); returns how many numbers.
+    """Writes the pieces of `Cells.members` that hold the nine cells about (x, y); returns how many numbers it wrote.
 
-    `found` (18,). Rows of three neighbouring cells are one piece where they lie side by side.
+    `found` (18,) takes each piece's start and end. Three neighbouring cells of a row are one piece where they lie side
+    by side.
     """
     column, row = cell_of(cells, x, y)
     count = 0

@@ -25,11 +25,11 @@ from flocking.lawentry import ENTRY_SIGNATURE
 from flocking.types import Floats, Ints
 
 PAD = 0.25
-"""Of the reach: how far a member may move before asynchronous members are binned anew."""
+"""Part of the reach that an asynchronous member may move before all are binned anew."""
 
 PARTS = 8
-"""In which a step of asynchronous members may be done; neighbours come in the order of their cells, and the order of a
-sum is its rounding: the same parts, the same numbers."""
+"""An asynchronous step bins its members anew after each of so many parts. Neighbours come in the order of their cells,
+and the order of a sum decides its rounding: with fixed parts the numbers are the same wherever a step is cut."""
 
 
 @borrowing

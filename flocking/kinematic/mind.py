@@ -1,6 +1,6 @@
 """Stages 3 and 4 of one member of the kinematic herd: whom it selects, what its law decides, and obstacles. Compiled.
 
-Nothing here makes arrays: all that a member sees is written into the herd's one `Scratch`.
+Nothing here makes arrays: all is written into the one `Scratch` that the whole herd uses in turn.
 """
 
 from __future__ import annotations
@@ -127,9 +127,9 @@ def decide(
     u: Floats,
     room: Scratch,
 ) -> bool:
-    """Stages 2 to 4 of member i; its motion is in `room.motion`. False if the law gave what it must not.
+    """Stages 2 to 4 of member i; writes its motion to `room.motion`. False if the law returned no valid motion.
 
-    `row`: where the crowd has it.
+    `row` is its row of the crowd; `u` (DRAWS,) are its random numbers.
     """
     bodies, minds, place = herd.bodies, herd.minds, herd.place
     heading = crowd.headings[row]

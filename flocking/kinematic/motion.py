@@ -16,7 +16,7 @@ from flocking.kinematic.walls import until_touch, until_wall
 from flocking.types import Floats, Kind
 
 MOST_TURNS = 4
-"""At walls within one step: what is left of it then is lost."""
+"""Most walls that one step may turn along; what is left of the step after the last is lost."""
 BOTH_BUMPERS_RAD = math.radians(15.0)
 """A touch this near to the nose presses both bumpers. (choice)"""
 
@@ -104,7 +104,7 @@ def stopped(
         if part > 1.0:
             return x + dx, y + dy
         press(bodies, i, -away_x, -away_y)
-        # what rounding took is given back; whoever started too near goes out on its own
+        # a member that rounding left too near the wall is put back; one that started too near must move away itself
         out = min(depth, 0.5 * place.clearance) if depth <= place.clearance else 0.0
         x, y = x + part * dx + out * away_x, y + part * dy + out * away_y
         into = dx * away_x + dy * away_y

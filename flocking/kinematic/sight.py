@@ -1,6 +1,6 @@
 """Stage 2 of one member of the kinematic herd: what it detects of the others, in its own frame. Compiled.
 
-Nothing here makes arrays but the room itself: all that a member sees is written into the herd's one `Scratch`.
+Only `scratch` makes arrays: all that a member sees is written into the one `Scratch` that the whole herd uses in turn.
 """
 
 from __future__ import annotations
@@ -46,32 +46,42 @@ class Focal(NamedTuple):
 
 
 class Scratch(NamedTuple):
-    """Room for what one member sees."""
+    """Room for what one member sees and decides; M inputs, S sets."""
 
     own: Floats
+    """What it knows of itself, as `flocking.lawentry.packed_own` packs it."""
     near: Ints
-    """(18,) pieces of the cells' list."""
+    """(18,) pieces of the cells' list, as `flocking.kinematic.cells.nearby` writes them."""
     candidates: Ints
-    """(N,) members within reach."""
+    """(N,) rows of the crowd that are within reach."""
     seen: Floats
-    """(N, 2) where they are, body frame."""
+    """(N, 2) where they are from it; world axes, then body axes."""
     positions: Floats
+    """(M, 2) of the inputs, body frame; the next four likewise."""
     bearings: Floats
     headings: Floats
     velocities: Floats
     ids: Ints
     sources: Ints
-    """Which row of the crowd each input is of."""
+    """(M,) the row of the crowd that each input is of."""
     sets: Bools
-    """Flat: (S · M,) is reshaped."""
+    """(S · M,) the masks of all sets, one after the other."""
     linked: Bools
+    """(M,) whether the graph joins it to the input's member."""
     tessellated: Bools
+    """(M,) whether its Voronoi cell touches that of the input's member."""
     given: Floats
+    """(ARGUMENTS,) numbers of the step of a selection that is at work."""
     obstacles: Floats
+    """(W, 2) nearest points of the walls, body frame."""
     virtual_velocities: Floats
+    """(W, 2) of the virtual members, body frame."""
     ranges: Floats
+    """(BEAMS,) readings of its laser; (0,) where detection is perfect."""
     owners: Ints
+    """(BEAMS,) the candidate that each reading falls on, -1 = none."""
     motion: Floats
+    """(4,) kind, x, y and rule of what its law decided."""
 
 
 @compiled
@@ -145,7 +155,7 @@ def candidates(
     focal: Focal, crowd: Crowd, cells: Cells, period: float, reach: float, room: Scratch, found: Ints
 ) -> int:
     """Writes which rows of the crowd are within reach of member i, and where from it (world axes); returns how many."""
-    # each is written where the next found one goes: no branch that a processor could guess wrong
+    # without a branch, which a processor would often guess wrong: each is written, and counted if it is within reach
     squared, count = reach * reach, 0
     if cells.columns == 0:
         return of_all(focal, crowd, period, squared, found, room.seen)
@@ -204,7 +214,7 @@ def take_bearings(positions: Floats, count: int, bearings: Floats) -> None:
 
 @borrowing
 def owners_of(found: int, candidates_: Ints, sources: Ints) -> None:
-    """Turns rows of the candidates into members."""
+    """Turns the numbers of candidates in `sources` into their rows of the crowd."""
     for k in range(found):
         sources[k] = candidates_[sources[k]]
 

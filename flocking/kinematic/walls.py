@@ -13,7 +13,7 @@ from flocking.kinematic.arrays import Limits
 from flocking.types import Floats
 
 NO_CONTACT = 2.0
-"""Part of a step after which nothing is touched."""
+"""Stands for a step that touches nothing: contacts come at parts from 0 to 1 of a step."""
 
 
 @borrowing
@@ -97,8 +97,8 @@ def until_wall(
 ) -> tuple[float, float, float, float]:
     """Part of a step after which the first wall is `reach` away, the unit vector from it, and how much too near it is.
 
-    A step that begins too near may lead away; one that begins on a wall knows no side of it. `NO_CONTACT` if no wall is
-    touched.
+    A step that begins nearer than `reach` may lead away from the wall. A wall on which the step begins is left out: it
+    has no side from which to keep away. `NO_CONTACT` if no wall is touched.
     """
     best, away_x, away_y, depth = NO_CONTACT, 0.0, 0.0, 0.0
     for w in range(len(walls)):
@@ -110,7 +110,7 @@ def until_wall(
             continue
         part, limit = 0.0, reach
         if d < reach:
-            limit = 0.5 * d  # rounding may take what leads along the wall a little nearer, but not through
+            limit = 0.5 * d  # a step along the wall may come a little nearer by rounding, but not through it
         if d >= reach or nx * dx + ny * dy >= 0.0:
             part = min(
                 until_side(x, y, dx, dy, limit, wall),

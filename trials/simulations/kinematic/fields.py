@@ -1,6 +1,6 @@
-"""What a kinematic trial and its groups can be given, with units and sources, and what stands for what they leave open.
+"""What a kinematic trial and its groups can be given, with units and sources, and how what they leave open is filled.
 
-A value of nan, or −1 leaders, is open: the herd that the law itself declares (`HERD` in its file) then gives it.
+A value of nan, or −1 leaders, is open: it is then taken from the herd that the law declares (`HERD` in its file).
 """
 
 from __future__ import annotations
@@ -21,25 +21,25 @@ from trials.types import Group, Trial, Value
 
 NAME = "kinematic"
 OPEN = math.nan
-"""Left to the law's own herd."""
+"""Value that is left to the law's own herd."""
 OWN_LEADERS = -1
-"""Likewise of a number of leaders."""
+"""Number of leaders that is left to the law's own herd."""
 LEADER = 1
 """The role of a leader or of a strong member."""
 NO_LIMIT = 0.0
-"""Of a speed, a turn rate or a range."""
+"""Speed, turn rate or range that stands for no limit."""
 DETECTIONS = ("perfect", "member-based", "member-extrapolated", "sensor-based")
 OWN_SPACE = "own"
 """The world that the law's own herd names."""
 SPACES = (OWN_SPACE, "unbounded", "bounded", "periodic", "obstacles")
 FORMATIONS = ("uniform", "single-group", "split-group", "triangular-lattice", "square-lattice", *lattice_starts.NAMES)
 LINKS = "links."
-"""Before the keys of the links that a trial measures."""
+"""Prefix of the keys of the links that a trial measures."""
 _LAW = "the law's own herd: HERD in its file"
 
 
 class TrialFields(NamedTuple):
-    """Of a kinematic trial."""
+    """What a kinematic trial can be given."""
 
     steps: Annotated[int, Parameter("", "a choice", low=1, high=10_000_000)] = 500
     timestep_s: Annotated[float, Parameter("s", _LAW, low=1e-6, high=1e3)] = OPEN
@@ -63,7 +63,7 @@ class TrialFields(NamedTuple):
 
 
 class NameFields(NamedTuple):
-    """Names of a kinematic trial."""
+    """World and formation of a kinematic trial, by name."""
 
     world: Annotated[str, Parameter("", _LAW, choices=SPACES)] = OWN_SPACE
     formation: Annotated[str, Parameter("", "a choice", choices=FORMATIONS)] = "uniform"
@@ -329,7 +329,7 @@ def formation_of(trial: Trial) -> Any:
 
 
 def links_of(trial: Trial) -> links.Parameters | None:
-    """With which a trial's links are measured; None if they are not."""
+    """How a trial's links are measured; None if they are not."""
     given = below(trial.setup, LINKS)
     return filled(links.Parameters, given, prefix=LINKS) if given else None
 

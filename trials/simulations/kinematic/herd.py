@@ -1,4 +1,4 @@
-"""A kinematic trial's names and numbers made into what `flocking.kinematic` takes."""
+"""Builds the herd of a kinematic trial, as `flocking.kinematic` takes it, from the trial's names and numbers."""
 
 from __future__ import annotations
 
@@ -30,10 +30,10 @@ MOST_KEPT = 100_000_000
 
 @dataclass(frozen=True)
 class Herd:
-    """All that `flocking.kinematic.simulate` needs."""
+    """All that `flocking.kinematic.simulate` needs, but for random numbers."""
 
     bands: list[Band]
-    """One a group, or two where it has leaders: they and then the others."""
+    """One band a group, or two where a group has leaders and others: the leaders come first."""
     space: Space
     poses_w: Floats
     """(N, 3) at the start."""
@@ -98,7 +98,10 @@ def check(trial: Trial) -> None:
 
 
 def _check_law(group: Group) -> set[Step]:
-    """Refuses a law that needs what is not known, and a selection that it cannot use; what it selects by."""
+    """The steps that a group selects by.
+
+    Raises `InputError` for a law that needs what is not known, or a selection that does not fit it.
+    """
     module = lawentry.module_of(group.law, group.law_source)
     values = lawentry.parameters_of(group.law, module, group.law_parameters, f"{group.name}.law.")._asdict()
     sets = parsed_sets(group.law, group.selection, lawentry.sets_of(module), list(values))

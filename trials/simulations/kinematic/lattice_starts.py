@@ -8,10 +8,10 @@ seconds, radians; world frame, in unbounded space.
     both-variations      shifts below gamma and velocities below beta, both of the same number: not in the publication,
                          whose table 2 counts links that its index cannot count of members at rest
 
-How 100 members are arranged on the lattice, the signs of the shifts and the distribution of the velocities are not
-published: they are parameters. Rows of ten have 261 links and so has a rhombus of ten by ten, the publication 262; the
-members nearest to a point within a triangle have 264. No block in rows of equal width has 262, nor one whose rows are
-in turn one shorter, nor a spiral about a member; of the discs about random points 3 in 200 have.
+The arrangement of the 100 members on the lattice, the signs of the shifts and the distribution of the velocities are
+not published: they are parameters. The publication counts 262 links. Rows of ten have 261, and so has a rhombus of ten
+by ten; the members nearest to a point within a triangle have 264. 262 are found in no block of rows of equal width, in
+none whose rows are in turn one shorter and in no spiral about a member, but in 3 of 200 discs about random points.
 """
 
 from __future__ import annotations
@@ -83,8 +83,10 @@ def start(formation: str, given: Parameters, count: int, rng: np.random.Generato
 
 
 def arranged(arrangement: str, count: int, spacing_m: float) -> Floats:
-    """(count, 2) points of a lattice of regular triangles about the origin. Rows: the nearest whole number to the root
-    of the count in each."""
+    """(count, 2) points of a lattice of regular triangles about the origin.
+
+    Each row has as many as the whole number nearest to the root of the count.
+    """
     height = math.sqrt(3.0) / 2.0
     if arrangement == "disc":
         reach = 2 + math.ceil(math.sqrt(2.0 * count))
@@ -103,7 +105,7 @@ def arranged(arrangement: str, count: int, spacing_m: float) -> Floats:
 
 
 def check(world: str) -> None:
-    """Refuses a world with an end."""
+    """Refuses a world that is not unbounded: `InputError`."""
     if world != "unbounded":
         raise InputError(f"world {world!r}: these lattices stand in unbounded space; expected --set world=unbounded")
 

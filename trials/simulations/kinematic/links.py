@@ -1,11 +1,11 @@
-"""The links of a kinematic trial and what their tension foretold: counted where the trial runs.
+"""The links of a kinematic trial, and how well the link tension index foretold which break.
 
 Source: Akama and Naruse 2014, equations 2 and 6 to 8, tables 1 and 2. Metres, seconds; N members at T times.
 
-At two moments the index of every link is taken, by one or more readings of mass over stiffness; at several horizons
-after each it is counted how many links of each bin of the index are longer than the range: `apart` at that moment, as
-the publication counts, or `ever` from the first moment until then, which is what the index speaks of. What is counted
-goes into a trial's measures under names with a slash, of which those that are 0 are left out.
+The index of every link is taken at two moments, by one or more readings of mass over stiffness. At several horizons
+after each, the links of each bin of the index that are longer than the range are counted: `apart` are longer at that
+moment, as the publication counts; `ever` were longer at any moment until then, which is what the index foretells.
+The counts are measures of the trial whose names have a slash; those that are 0 are left out.
 """
 
 from __future__ import annotations
@@ -24,18 +24,19 @@ from trials.types import Measure
 
 SOURCE = "Akama and Naruse 2014"
 STARTS = (0, 1)
-"""Moments of which the index is taken, in units of time."""
+"""Moments at which the index is taken, in units of time."""
 HORIZONS = (0.25, 0.5, 1.0, 2.0, 4.0)
-"""After such a moment, in units of time."""
+"""Times after such a moment at which links are counted, in units of time."""
 KINDS = ("apart", "ever")
 READINGS = ("printed", "spring", "reduced")
 EDGES = (-0.6, -0.4, -0.2, 0.0, 0.2, 0.5, 1.0, 2.0, 4.0)
-"""Of the bins of the index, in rest lengths; an edge belongs to the bin below it, as 0 foretells no break."""
+"""Edges between the bins of the index, in rest lengths; an edge belongs to the bin below, as 0 foretells no break."""
 BINS = len(EDGES) + 1
 POSITIVE = EDGES.index(0.0) + 1
 """The first bin that foretells a break."""
 WITHIN = 1.0 - 1e-9
-"""Of the range: members exactly at it, as a lattice may have them, are not selected by the laws and are not linked."""
+"""Part of the range within which members are linked: the laws do not select members exactly at the range, as a lattice
+may have them."""
 MOST_HELD = 5_000_000
 """Lengths held at a time."""
 
@@ -49,7 +50,7 @@ ABOUT: dict[str, Measure] = {
 
 
 class Parameters(NamedTuple):
-    """Of the links of a trial; measured only where a trial has a range of links."""
+    """How the links of a trial are measured; only a trial that is given one of these has them measured."""
 
     range_m: Annotated[float, Parameter("m", f"{SOURCE}, equation 2: r", low=1e-9)] = 1.6
     rest_m: Annotated[float, Parameter("m", f"{SOURCE}: the stable distance d", published=True, low=1e-9)] = 1.0
@@ -61,12 +62,12 @@ class Parameters(NamedTuple):
 
 
 class Counts(NamedTuple):
-    """Of one trial, one moment, one horizon and one reading, by bin of the index."""
+    """Links of one trial, moment, horizon and reading, by bin of the index."""
 
     links: Floats
-    """(BINS,)."""
+    """(BINS,) all."""
     broken: Floats
-    """(BINS,)."""
+    """(BINS,) those that broke."""
 
     def outcomes(self) -> Outcomes:
         """The contingency, as in tables 1 and 2."""
@@ -128,7 +129,7 @@ def counts(
 
 
 def share(part: float, whole: float) -> float:
-    """nan where there is nothing to share."""
+    """`part` / `whole`; nan where `whole` is 0."""
     return part / whole if whole > 0.0 else math.nan
 
 

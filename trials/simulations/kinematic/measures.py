@@ -16,7 +16,7 @@ from trials.simulations.kinematic.herd import Herd
 from trials.types import Measure, TrialResult
 
 MOST_MEASURED = 200
-"""Moments that enter a mean over the last part of a trial, at most, evenly picked."""
+"""Most moments that enter a mean over the last part of a trial; they are evenly picked."""
 
 ABOUT: dict[str, Measure] = {
     "polarization": Measure("", "length of the mean of the unit vectors along the headings"),
@@ -93,7 +93,10 @@ def _speeds(result: TrialResult, positions: Floats, first: int, period: float | 
 
 
 def _alignment(positions: Floats, first: int, herd: Herd, period: float | None) -> float:
-    """Of the centre's way over the last part with the direction from its beginning to the informed members' goal."""
+    """Cosine between the centre's way over the last part and the direction from where that begins to the goal.
+
+    The goal is the mean of those that members are informed of; nan if nobody is.
+    """
     goals = np.concatenate([band.goals_w for band in herd.bands if band.goals_w is not None])
     goals = goals[np.isfinite(goals).all(axis=1)]
     if len(goals) == 0:

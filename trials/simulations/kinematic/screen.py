@@ -11,10 +11,10 @@ from trials.simulations.kinematic import fields
 from trials.types import TrialResult
 
 TRAIL_SHARE = 0.1
-"""Of the trial: how long a piece of its way a member draws behind it."""
+"""Part of the trial whose way a member draws behind it."""
 TRAIL_COLOUR = 0x8FA3B880
 MARK_SHARE = 0.25
-"""Size of a member that has none, of the spacing at the start."""
+"""Size of a member without a radius, in spacings at the start."""
 
 
 def size_of(result: TrialResult) -> float:

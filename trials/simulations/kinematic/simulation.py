@@ -12,6 +12,7 @@ from trials.simulations.kinematic.measures import ABOUT, KEY_MEASURES
 from trials.types import Trial, TrialResult, with_setup
 
 MOMENT_STEPS = 2
+"""Steps of a trial that is run for a moment, to compile what it needs."""
 CONSTANTS = ("flocking.kinematic.detection", "flocking.kinematic.motion", "trials.simulations.kinematic.measures")
 
 
