@@ -3,6 +3,7 @@
     python -m scripts.same_results keep BEFORE      in the old version: runs every experiment, small, with two seeds
     python -m scripts.same_results keep AFTER       in the new version
     python -m scripts.same_results compare BEFORE AFTER
+    python -m scripts.same_results sample FILE      the first moments of a few trials, which a test holds the code to
 
 `keep` runs the `herd` command that is installed beside the Python which runs it, so that one copy of this file serves
 any version. `compare` reads what those commands wrote: what `herd show` says (but for the words of sources), each row
@@ -13,14 +14,17 @@ expected on one type of processor only.
 from __future__ import annotations
 
 import argparse
+import hashlib
 import io
 import json
+import platform
 import re
 import sqlite3
 import subprocess
 import sys
 import zipfile
 from collections.abc import Iterator
+from importlib import metadata
 from pathlib import Path
 from typing import Any
 
@@ -28,6 +32,13 @@ import numpy as np
 
 SMALLER: dict[str, tuple[str, ...]] = {"vicsek-transition": ("--set", "steps=100")}
 """Options of experiments that would take long at their own settings."""
+SAMPLES: tuple[tuple[str, dict[str, Any], int], ...] = (
+    ("detection-case-study", {"duration_s": 2.0}, 2),
+    ("information-abstraction-robots", {"duration_s": 2.0}, 30),
+    ("lch-table-4-1", {"steps": 10}, 1),
+    ("couzin-leaders", {"steps": 20}, 5),
+)
+"""Experiment, settings and trial of each sample."""
 SEEDS = (1, 2)
 ADDED = "added:"
 """Before what only the new version has, which is told, and is no difference."""
@@ -75,6 +86,33 @@ def compare(before: Path, after: Path) -> list[str]:
             found += _unequal(f"{where}: series", _series(run), _series(other / run.name))
             found += _unequal(f"{where}: recording", _recordings(run), _recordings(other / run.name))
     return found
+
+
+def sample() -> dict[str, Any]:
+    """Measures of the first moments of a few trials, and the hashes of all that was measured; and where it was made."""
+    from trials.design import plan
+    from trials.simulations import run_trial
+
+    found: dict[str, Any] = {}
+    for name, settings, index in SAMPLES:
+        result = run_trial(plan(name, settings=settings).trials[index - 1])
+        arrays: dict[str, Any] = {"times": result.times, "poses_w": result.poses_w, "odometry": result.odometry}
+        arrays |= {"bumpers": result.bumpers, "contacts": result.contacts.points_w}
+        arrays |= {f"updates.{key}": array for key, array in vars(result.updates).items()}
+        hashes = {
+            name: hashlib.sha256(np.ascontiguousarray(array).tobytes()).hexdigest() for name, array in arrays.items()
+        }
+        measures = {name: value for name, value in result.measures.items() if np.isfinite(value)}
+        found[f"{name}, trial {index}"] = {"measures": measures, "hashes": hashes}
+    return {"made with": made_with(), "trials": found}
+
+
+def made_with() -> dict[str, str]:
+    """What equal bits depend on: the processor's type and the versions of what computes."""
+    lines = Path("/proc/cpuinfo").read_text().splitlines() if Path("/proc/cpuinfo").exists() else []
+    cpu = {line.partition(":")[2].strip() for line in lines if line.startswith("model name")}
+    versions = {name: metadata.version(name) for name in ("mujoco", "numba", "numpy", "scipy")}
+    return {"cpu": ", ".join(sorted(cpu)), "python": platform.python_version(), **versions}
 
 
 def _unequal(where: str, before: dict[Any, Any], after: dict[Any, Any]) -> list[str]:
@@ -156,7 +194,12 @@ def main() -> int:
     comparing = ways.add_parser("compare", help="hold what was kept by two versions side by side")
     comparing.add_argument("before", type=Path)
     comparing.add_argument("after", type=Path)
+    sampling = ways.add_parser("sample", help="the first moments of a few trials")
+    sampling.add_argument("file", type=Path)
     given = parser.parse_args()
+    if given.way == "sample":
+        given.file.write_text(json.dumps(sample(), indent=1) + "\n", encoding="utf-8")
+        return 0
     if given.way == "keep":
         keep(given.folder, given.experiments, given.seeds)
         return 0
