@@ -15,7 +15,7 @@ from typing import NamedTuple
 import mujoco
 import numpy as np
 
-from flocking.compilation import compiled
+from flocking.compilation import borrowing
 from flocking.errors import InputError
 from flocking.types import Floats, Ints
 from sensing.laser.slice import slice_at
@@ -46,7 +46,7 @@ class Templates(NamedTuple):
     """(D − 1,) distance between laser and mean of the shape at which one group follows the other."""
 
 
-@compiled
+@borrowing
 def group_at(distance_m: float, limits_m: Floats) -> int:
     """The group of templates seen from about `distance_m`, from the laser to the mean of the segment."""
     group = 0

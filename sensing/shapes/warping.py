@@ -14,7 +14,7 @@ import math
 
 import numpy as np
 
-from flocking.compilation import compiled
+from flocking.compilation import borrowing
 from flocking.types import Floats
 
 
@@ -23,7 +23,7 @@ def warp_rows(samples: int) -> Floats:
     return np.full((4, samples + 2), np.inf)
 
 
-@compiled
+@borrowing
 def warp(a: Floats, b: Floats, band: int, ceiling: float, rows: Floats) -> float:
     """Mean distance (m) of the best alignment of the shapes `a` and `b`, both (S, 2), m.
 
@@ -62,7 +62,7 @@ def warp(a: Floats, b: Floats, band: int, ceiling: float, rows: Floats) -> float
     return cost / (2.0 * len(a)) if cost <= most else math.inf
 
 
-@compiled
+@borrowing
 def nearest_shape(shape: Floats, templates: Floats, band: int, ceiling: float, enough: float, rows: Floats) -> float:
     """Least warping cost (m) of `shape` (S, 2) among `templates` (K, S, 2); inf if none is at or below
     `ceiling`.
