@@ -4,7 +4,8 @@ A member is HIDDEN while no beam falls on it, DETECTED if at least one input is 
 An input is owned by whoever made most of its beams; by nobody (a false positive) if most of them belong to nobody: to
 a wall, or to a reading between two surfaces. Beams likewise: `lit` fell on members, `missed` are those of them that
 made no input (those lost in the sensor, too), `made_up` made an input but belong to nobody. At an edge a reading can be
-a member's though the middle of its beam fell beside it; so lit and found beams are set off member by member.
+a member's though the middle of its beam fell beside it; so the beams that fell on a member and those that made inputs
+of it are compared for each member by itself.
 """
 
 from __future__ import annotations

@@ -4,7 +4,7 @@ Fine 2015, section 2.3.1: the scan is split into segments by the distance betwee
 time-warped to an equal number of readings and compared with the database of members. The readings of an accepted
 segment are the foreground; every other segment is background, and its nearest point an obstacle.
 
-Where it fails, by its nature: members that touch side by side or stand in front of a wall nearer than the splitting
+Where it must fail: members that touch side by side or stand in front of a wall nearer than the splitting
 distance are one segment with it and rejected (false negatives); a piece of wall, box or post of a member's width is
 accepted (false positives), the more so the farther it stands, where noise is as large as the arc is deep.
 """
@@ -27,9 +27,9 @@ from sensing.shapes.warping import nearest_shape, warp_rows
 from sensing.types import NOBODY, Detection
 
 SAMPLES, BAND = 8, 1
-"""Readings to which each segment is resampled, and samples by which the warping may run ahead. Neither is published;
-`python -m scripts.calibrate_detection` compares: fewer samples average more noise out, and the even stretch of time
-leaves little to warp."""
+"""Samples to which each segment is resampled, and samples by which the warping may run ahead. Neither is published;
+`python -m scripts.calibrate_detection` compares some. The fewer samples, the more readings each of them averages, and
+the less of their noise remains; after even resampling there is little left to warp."""
 
 FINE_RAD = 0.005
 """Angle between the beams of which the templates are made where a scan has but one beam."""

@@ -1,5 +1,4 @@
-"""Dynamic time warping of two shapes (Berndt and Clifford 1994, the method that Fine 2015, section 2.3.1,
-names).
+"""Dynamic time warping of two shapes: Berndt and Clifford 1994, named by Fine 2015, section 2.3.1.
 
 The step pattern is the symmetric one of Sakoe and Chiba (1978, form P = 0): a step along one series weighs 1, a
 diagonal step 2, and the sum is divided by the sum of both lengths. So the cost is a mean distance in metres, the same
@@ -64,11 +63,9 @@ def warp(a: Floats, b: Floats, band: int, ceiling: float, rows: Floats) -> float
 
 @borrowing
 def nearest_shape(shape: Floats, templates: Floats, band: int, ceiling: float, enough: float, rows: Floats) -> float:
-    """Least warping cost (m) of `shape` (S, 2) among `templates` (K, S, 2); inf if none is at or below
-    `ceiling`.
+    """Least warping cost (m) of `shape` (S, 2) among `templates` (K, S, 2); inf if none is at or below `ceiling`.
 
-    Stops at the first template whose cost is at or below `enough`: to know whether a shape is accepted, no
-    more is needed.
+    Stops at the first template whose cost is at or below `enough`: whether a shape is accepted is then known.
     """
     best = math.inf
     for k in range(len(templates)):
