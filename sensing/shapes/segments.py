@@ -17,7 +17,7 @@ import math
 import mujoco
 import numpy as np
 
-from flocking.compilation import compiled
+from flocking.compilation import borrowing
 from flocking.errors import InputError
 from flocking.types import Floats, Ints
 
@@ -51,7 +51,7 @@ def beam_directions(angles: Floats, yaw: float = 0.0) -> Floats:
     return np.ascontiguousarray(np.column_stack((np.cos(angles + yaw), np.sin(angles + yaw))))
 
 
-@compiled
+@borrowing
 def split(
     ranges: Floats,
     directions: Floats,
@@ -91,7 +91,7 @@ def split(
     return segments, kept
 
 
-@compiled
+@borrowing
 def shape_of(points: Floats, readings: Ints, start: int, end: int, x0: float, y0: float, shape: Floats) -> float:
     """The shape of the segment `readings[start:end]`, resampled to the rows of `shape` (S, 2), m.
 

@@ -8,7 +8,7 @@ import sys
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
-from time import perf_counter
+from time import perf_counter, process_time
 from typing import Any
 
 import numpy as np
@@ -37,9 +37,9 @@ def _boids(count: int) -> tuple[Band, Floats, float]:
 
 
 def _step_seconds(count: int, steps: int) -> float:
-    """Wall time of one step of that many boids in unbounded space, on one core."""
+    """Processor time of one step of that many boids in unbounded space, on one core."""
     band, poses, dt = _boids(count)
-    started = perf_counter()
+    started = process_time()
     simulate(
         band,
         poses,
@@ -50,7 +50,7 @@ def _step_seconds(count: int, steps: int) -> float:
         speeds_m_s=band.law.herd.speed_m_s,
         space=Space(),
     )
-    return (perf_counter() - started) / steps
+    return (process_time() - started) / steps
 
 
 def small_flock() -> tuple[Band, Bodies, float]:
@@ -65,23 +65,23 @@ def small_flock() -> tuple[Band, Bodies, float]:
 
 
 def _plain_seconds() -> float:
-    """Wall time of one step of the small flock, member by member by the law's own function, not compiled."""
+    """Processor time of one step of the small flock, member by member by the law's own function, not compiled."""
     band, state, dt = small_flock()
     draws = np.zeros((SMALL, band.law.draws))
-    started = perf_counter()
+    started = process_time()
     for _ in range(3):
         state = plain.step([band], state, [draws], dt)
-    return (perf_counter() - started) / 3
+    return (process_time() - started) / 3
 
 
 def _numpy_seconds() -> float:
-    """Wall time of one step of the small flock, member by member in arrays of all others."""
+    """Processor time of one step of the small flock, member by member in arrays of all others."""
     band, state, dt = small_flock()
     parameters = band.law.parameters({})
-    started = perf_counter()
+    started = process_time()
     for _ in range(20):
         state = numpy_step(state, parameters, dt)
-    return (perf_counter() - started) / 20
+    return (process_time() - started) / 20
 
 
 def numpy_step(before: Bodies, p: Any, dt: float) -> Bodies:
