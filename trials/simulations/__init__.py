@@ -36,9 +36,10 @@ def named(name: str) -> Simulation:
 
 def check(trial: Trial) -> None:
     """Refuses, before anything is run, a trial whose names and numbers do not fit one another: `InputError`."""
+    own = of(trial)
     check_names(trial)
-    check_setup(trial, of(trial).keys_of)
-    of(trial).check(trial)
+    check_setup(trial, own.keys_of)
+    own.check(trial)
 
 
 def settled(trial: Trial) -> Trial:
@@ -53,7 +54,10 @@ def run_trial(trial: Trial, scans: str = "none", reraise: bool = False) -> Trial
     goes wrong makes it a failed one, which says why and keeps what was measured until then; with `reraise` the error
     is raised instead. Raises `InputError` for a trial that cannot be set up.
     """
-    return of(trial).run_trial(trial, scans, reraise)
+    own = of(trial)
+    check_names(trial)
+    check_setup(trial, own.keys_of)
+    return own.run_trial(trial, scans, reraise)
 
 
 def record(result: TrialResult, path: Path) -> None:

@@ -203,6 +203,20 @@ def test_a_newer_version_is_told(tmp_path: Path) -> None:
     refused(tmp_path / "run", f"has format {store.FORMAT + 1}, of a newer version")
 
 
+def test_an_older_format_is_refused_with_the_version_that_reads_it(tmp_path: Path) -> None:
+    new(tmp_path / "run").close()
+    path = tmp_path / "run" / "run.json"
+    old = {
+        "format": 1,
+        "experiment": "fake",
+        "versions": {"create-herd": "0.1.0"},
+        "commit": "282baf4f00+",
+        "trials": [],
+    }
+    path.write_text(json.dumps(old))
+    refused(tmp_path / "run", "report and resume it with create-herd 0.1.0, commit 282baf4f00$")
+
+
 def test_a_missing_or_damaged_series_is_told(tmp_path: Path) -> None:
     kept = new(tmp_path / "run")
     kept.add(row(1), b"nonsense", None, {})

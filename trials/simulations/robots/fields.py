@@ -61,7 +61,7 @@ class TrialFields(NamedTuple):
         float,
         Parameter(
             "s",
-            "of physics: motion, odometry and scans agree with half of it (tests/trials/test_timestep.py)",
+            "of physics: motion, odometry and scans agree with half of it (its test is test_timestep.py)",
             low=0.001,
             high=0.02,
         ),
@@ -80,19 +80,6 @@ class GroupFields(NamedTuple):
 
     count: Annotated[int, Parameter("robots", "Fine 2015, section 2.3.1", published=True, low=1, high=1000)] = 6  # type: ignore[assignment]
     body: Annotated[str, Parameter("", "Fine 2015, section 2.3", published=True, named=body_names)] = "create"
-    formation: Annotated[
-        str,
-        Parameter(
-            "",
-            "a choice: `together` with the other groups in the trial's formation, or one of its own",
-            named=own_formation_names,
-        ),
-    ] = TOGETHER
-    start_x_m: Annotated[float, Parameter("m", "a choice: of the middle of a formation of its own")] = 0.0
-    start_y_m: Annotated[float, Parameter("m", "likewise")] = 0.0
-    start_heading_deg: Annotated[
-        float, Parameter("deg", "likewise: by how much it is turned", low=-360.0, high=360.0)
-    ] = 0.0
     sensors: Annotated[str, Parameter("", "noise of the laser's data sheet", choices=tuple(hokuyo.SETTINGS))] = (
         "datasheet"
     )
@@ -153,6 +140,19 @@ class GroupFields(NamedTuple):
     obstacle_selection: Annotated[
         str, Parameter("", "Fine 2015, figure 3.3, which leaves it open", reads=obstacle_selection.parse)
     ] = "all"
+    formation: Annotated[
+        str,
+        Parameter(
+            "",
+            "a choice: `together` with the other groups in the trial's formation, or one of its own",
+            named=own_formation_names,
+        ),
+    ] = TOGETHER
+    start_x_m: Annotated[float, Parameter("m", "a choice: of the middle of a formation of its own")] = 0.0
+    start_y_m: Annotated[float, Parameter("m", "likewise")] = 0.0
+    start_heading_deg: Annotated[
+        float, Parameter("deg", "likewise: by how much it is turned", low=-360.0, high=360.0)
+    ] = 0.0
 
 
 def trial(
@@ -160,8 +160,8 @@ def trial(
     repeat: int,
     groups: Sequence[Group],
     *,
-    world: str = "corridor",
-    formation: str = "single-group",
+    world: str = TrialFields().world,
+    formation: str = TrialFields().formation,
     **setup: Value,
 ) -> Trial:
     """A trial of robots; `setup`: of `TrialFields`."""
@@ -169,12 +169,12 @@ def trial(
 
 
 def group(
-    law: str = "extended-hamilton",
-    count: int = 6,
+    law: str = GroupFields().law,
+    count: int = GroupFields().count,
     *,
     name: str = "herd",
-    pipeline: str = "member-based",
-    selection: str = "all",
+    pipeline: str = GroupFields().pipeline,
+    selection: str = GroupFields().selection,
     law_source: str = "",
     law_parameters: Mapping[str, Value] | None = None,
     **setup: Value,
