@@ -122,4 +122,4 @@ def test_show_gives_the_values_of_the_named_sensor_setting() -> None:
     assert rows["herd.sensors"] == "datasheet"
     assert rows.keys() == ideal.keys()
     assert rows != ideal
-    assert keys.valid("robots") == body.names()
+    assert keys.valid("robots") == list(body.names())

@@ -6,6 +6,7 @@ import dataclasses
 import math
 from dataclasses import dataclass
 from functools import cache
+from types import ModuleType
 from typing import NamedTuple
 
 import mujoco
@@ -80,8 +81,8 @@ def assemble(trial: Trial, record: bool) -> Herd:
         poses_w,
         trial.timestep_s,
     )
-    pipelines = [found.load(PIPELINE, group.pipeline, "pipeline") for group in groups]
-    reads = [frozenset(pipeline.READS) for pipeline in pipelines]
+    minds = [_mind(group) for group in trial.groups]
+    reads = [frozenset(minds[g].pipeline.READS) for g, _ in numbers]
     lasers = None
     if record or any("truth" not in r for r in reads):
         lasers = hokuyo.Lasers(
@@ -92,7 +93,6 @@ def assemble(trial: Trial, record: bool) -> Herd:
         )
         if lasers.needs_history:
             world.observers.append(lasers.remember)
-    minds = [_mind(group) for group in trial.groups]
     robots = [
         _robot(trial, world, lasers, minds[g], g, k, index, reads[index], poses_w[index])
         for index, (g, k) in enumerate(numbers)
@@ -134,6 +134,7 @@ class Mind(NamedTuple):
     """What the robots of a group share."""
 
     group: Group
+    pipeline: ModuleType
     law: lawentry.Law
     law_parameters: Floats
     selections: list[list[Chosen]]
@@ -146,6 +147,7 @@ def _mind(group: Group) -> Mind:
     wanted = information.wanted(group)
     return Mind(
         group,
+        found.load(PIPELINE, group.pipeline, "pipeline"),
         lawentry.load(group.law, group.law_source),
         np.array(information.parameters_of(group), dtype=np.float64),
         information.selections(group),
@@ -178,7 +180,6 @@ def _robot(
         selections = information.selections(own)
     period, latency = clock(group, trial.timestep_s)
     phase = int(draw(Purpose.PHASE).random() * period) if group.phase == "random" else 0
-    pipeline = found.load(PIPELINE, group.pipeline, "pipeline")
     informed = member < group.informed
     first = (group.speed_m_s, 0.0) if group.start_moving else (0.0, 0.0)
     world.fleet.command(index, *first)
@@ -189,8 +190,8 @@ def _robot(
         period=period,
         latency=latency,
         next_tick=phase,
-        pipeline=pipeline,
-        pipeline_state=_pipeline_state(group),
+        pipeline=mind.pipeline,
+        pipeline_state=_pipeline_state(group, mind.pipeline, world.bodies[index]),
         selections=selections,
         law=law,
         law_parameters=law_parameters,
@@ -218,11 +219,11 @@ def _robot(
     )
 
 
-def _pipeline_state(group: Group) -> PipelineState:
-    pipeline = found.load(PIPELINE, group.pipeline, "pipeline")
+def _pipeline_state(group: Group, pipeline: ModuleType, body: bodies.Body) -> PipelineState:
     parameters = filled(pipeline.Parameters, group.pipeline_parameters, prefix=f"{group.name}.pipeline.")
-    height_m = bodies.load(group.body).mount("laser").height_m
-    return pipeline.start(parameters, member_model(group.body), height_m, hokuyo.ANGLES)
+    blind = frozenset(pipeline.READS) <= {"truth"} and "laser" not in body.mounts
+    height_m = math.nan if blind else body.mount("laser").height_m
+    return pipeline.start(parameters, member_model(body.name), height_m, hokuyo.ANGLES)
 
 
 @cache

@@ -232,7 +232,7 @@ def choose(package: str, name: str, kind: str) -> None:
 def valid(package: str) -> list[str]:
     """Names of a package's modules that are what the package is for (a body has a `BODY`, a world `walls`)."""
     if package == "robots":
-        return bodies.names()
+        return list(bodies.names())
     marks = {"worlds": "walls"}
     found_names = sorted(found.modules(package))
     if package not in marks:
