@@ -1,4 +1,4 @@
-"""The pair force that Gregoire's and Camperi's laws share: hard core, spring, constant attraction.
+"""The pair force of Gregoire's two models and of Camperi's law: hard core, spring, constant attraction.
 
 Source: Gregoire, Chate and Tu 2003; Fine 2015, table A.1. Along the line towards a neighbour at distance r:
 minus infinity within the core; (r - equilibrium) / (attraction - equilibrium) / 4 up to the attraction distance;
@@ -10,11 +10,27 @@ from __future__ import annotations
 import math
 
 from flocking.compilation import compiled
+from flocking.taxonomy import Filled
 from flocking.terms import unit
 from flocking.types import Bools, Floats
 
 ORDER = ("core_m at most equilibrium_m", "equilibrium_m below attraction_m")
 """What the laws' distances must keep to (their `RELATIONS`)."""
+FOR_CREATES = {
+    "range_m": 2.5,
+    "core_m": 0.4,
+    "equilibrium_m": 0.9,
+    "attraction_m": 1.4,
+    "speed_m_s": 0.25,
+    "alignment_s_m": 7.0,
+}
+"""Parameter values that all of them have with iRobot Creates; the noise is each law's own."""
+BRACKET = Filled(
+    "motion computation",
+    "table A.1 closes the bracket of the distance in the wrong place and calls the member's position a region",
+    "a condition on the distance between the two",
+    misprint=True,
+)
 
 
 @compiled

@@ -23,6 +23,11 @@ def modules(package: str) -> dict[str, str]:
     return {m.name.replace("_", "-"): f"{package}.{m.name}" for m in found if not m.name.startswith("_")}
 
 
+def folders(package: str, file: str) -> dict[str, str]:
+    """Names (with hyphens) of the folders of a package that hold a module `file`, and that module of each."""
+    return {name: f"{module}.{file}" for name, module in modules(package).items() if file in modules(module)}
+
+
 def defining(package: str, names: Iterable[str]) -> dict[str, str]:
     """Names (with hyphens) of the modules in the folders of a package that define all of `names`, without running any.
 

@@ -1,4 +1,4 @@
-"""Terms that laws share: distances and nearest neighbours."""
+"""Terms that laws share: distances, lines between members, nearest neighbours."""
 
 from __future__ import annotations
 
@@ -14,6 +14,13 @@ NOT_FOUND = -1
 def distance(positions: Floats, i: int, j: int) -> float:
     """Distance between rows i and j of `positions` (M, 2), m."""
     return math.hypot(positions[i, 0] - positions[j, 0], positions[i, 1] - positions[j, 1])
+
+
+@compiled
+def line(positions: Floats, i: int, j: int) -> tuple[float, float, float]:
+    """Distance (m) between rows i and j of `positions` (M, 2), and the unit vector from i to j; the two lie apart."""
+    gap = distance(positions, i, j)
+    return gap, (positions[j, 0] - positions[i, 0]) / gap, (positions[j, 1] - positions[i, 1]) / gap
 
 
 @compiled

@@ -15,13 +15,13 @@ import difflib
 import math
 import operator
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
 from types import MappingProxyType
 from typing import Any, NamedTuple, get_type_hints
 
-from flocking.errors import InputError
+from flocking.errors import InputError, unknown_name
 
 
 @dataclass(frozen=True)
@@ -35,6 +35,10 @@ class Parameter:
     low: float = -math.inf
     high: float = math.inf
     choices: tuple[str, ...] = ()
+    named: Callable[[], Iterable[str]] | None = None
+    """Of a text that names something with a file of its own: all such names, with hyphens."""
+    reads: Callable[[str], object] | None = None
+    """Of a text with a grammar: what reads it, and raises `InputError` where it cannot."""
 
 
 COMPARISONS: Mapping[str, Callable[[Any, Any], bool]] = MappingProxyType(
@@ -81,7 +85,9 @@ def checked(key: str, value: Any, parameter: Declared) -> Any:
             near = difflib.get_close_matches(str(given), about.choices, n=1)
             hint = f"; did you mean {near[0]}?" if near else ""
             raise InputError(f"{key} = {given!r}: expected {' or '.join(about.choices) or 'text'}{hint}")
-        return value
+        if about.reads is not None:
+            about.reads(value)
+        return _known(parameter, value) if about.named is not None else value
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise InputError(f"{key} = {given!r}: expected a number{_unit(about)}")
     if parameter.type is int and value != int(value if math.isfinite(value) else 0.5):
@@ -91,13 +97,19 @@ def checked(key: str, value: Any, parameter: Declared) -> Any:
     return parameter.type(value)
 
 
+def _known(parameter: Declared, name: str) -> str:
+    """A name in its usual spelling, with hyphens. Raises `InputError` with the nearest ones if there is no such."""
+    known, wanted = list(parameter.about.named() if parameter.about.named else ()), name.replace("_", "-")
+    if wanted not in known:
+        raise unknown_name(parameter.name, name, known)
+    return wanted
+
+
 def filled(parameters: type, given: Mapping[str, Any], prefix: str = "") -> Any:
     """An instance of `parameters` with the given values checked and the defaults elsewhere."""
     known = declared(parameters)
     for name in given:
         if name not in known:
-            from flocking.errors import unknown_name
-
             raise unknown_name("parameter", f"{prefix}{name}", [f"{prefix}{k}" for k in known])
     return parameters(**{name: checked(f"{prefix}{name}", value, known[name]) for name, value in given.items()})
 

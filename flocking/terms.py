@@ -1,4 +1,4 @@
-"""Terms that laws share: unit vectors, means over the chosen members, normal draws. All compiled."""
+"""Terms that laws share: unit vectors, the way to the goal, means over chosen members, normal draws. All compiled."""
 
 from __future__ import annotations
 
@@ -6,6 +6,9 @@ import math
 
 from flocking.compilation import compiled
 from flocking.types import Bools, Floats
+
+NEGLIGIBLE = 1e-12
+"""A sum or mean of vectors no longer than this, in the vectors' own unit, is zero but for rounding."""
 
 
 @compiled
@@ -24,6 +27,27 @@ def unit(x: float, y: float) -> tuple[float, float]:
     if length == 0.0:
         return 0.0, 0.0
     return x / length, y / length
+
+
+@compiled
+def unit_or_ahead(x: float, y: float) -> tuple[float, float]:
+    """(x, y) divided by its length; straight ahead, (1, 0), for a vector that has none: a member at rest."""
+    ux, uy = unit(x, y)
+    if ux == 0.0 and uy == 0.0:
+        return 1.0, 0.0
+    return ux, uy
+
+
+@compiled
+def towards_goal(goal: Floats) -> tuple[bool, float, float]:
+    """Whether a member has a goal, and the unit vector towards it: (0, 0) if it has none or has reached it.
+
+    `goal` (2,) is its position relative to the member, m, and nan for a member that has none.
+    """
+    if math.isnan(goal[0]):
+        return False, 0.0, 0.0
+    x, y = unit(goal[0], goal[1])
+    return True, x, y
 
 
 @compiled

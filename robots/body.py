@@ -115,14 +115,14 @@ class Body:
 def names() -> tuple[str, ...]:
     """Of all bodies, with hyphens: the folders of `robots` whose package holds a `BODY`."""
     folders = sorted(path.parent.name for path in HOME.glob("*/__init__.py"))
-    return tuple(folder.replace("_", "-") for folder in folders if hasattr(_package(folder), "BODY"))
+    return tuple(folder.replace("_", "-") for folder in folders if hasattr(package(folder), "BODY"))
 
 
 def load(name: str) -> Body:
     """The body of that name. Raises `InputError` with the nearest names if there is none."""
     if name.replace("_", "-") not in names():
         raise unknown_name("body", name, names())
-    found: Body = _package(name).BODY
+    found: Body = package(name).BODY
     return found
 
 
@@ -150,7 +150,8 @@ def xml_path(name: str) -> Path:
     return HOME / folder / f"{folder}.xml"
 
 
-def _package(name: str) -> Any:
+def package(name: str) -> Any:
+    """The package of a body's folder; its docstring says what the body is."""
     return importlib.import_module(f"robots.{name.replace('-', '_')}")
 
 

@@ -26,6 +26,7 @@ import numpy as np
 from flocking.types import Bools, Floats
 from robots import body as bodies
 from robots.physics import apply_options
+from sensing.laser.draws import intensity_draws, range_draws
 from sensing.laser.hokuyo import ANGLES, SETTINGS, STEP_RAD, Lasers
 from sensing.pipelines import sensor_based
 from sensing.shapes import recognition
@@ -147,6 +148,7 @@ def costs_by_owner(scan: Scan, truth: ScanTruth, state: Recogniser, split_m: flo
 def observe(models: int, scans: int, seed: int, setting: str) -> tuple[Outcomes, Floats, Floats]:
     """All outcomes, and the intensities of members' readings and of all others."""
     rng = np.random.default_rng(seed)
+    draws = range_draws(rng, ahead=1), intensity_draws(rng, ahead=1)
     member, chosen = CREATE.spec().compile(), recognition.Parameters()
     states = [
         recogniser(chosen, member, CREATE.mount("laser").height_m, ANGLES, samples, band) for samples, band in FORMS
@@ -158,7 +160,7 @@ def observe(models: int, scans: int, seed: int, setting: str) -> tuple[Outcomes,
         scene = build(rng, setting)
         for _ in range(scans):
             places = place(scene, rng)
-            scan, truth = scene.lasers.read(scene.data, 0, 0.0, rng, rng)
+            scan, truth = scene.lasers.read(scene.data, 0, 0.0, *draws)
             apart = np.hypot(*(places - places[0]).T)
             owned = np.array([[costs_by_owner(scan, truth, state, d) for d in SPLITS_M] for state in states])
             for k in range(1, 1 + OBJECTS):

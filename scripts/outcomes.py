@@ -1,4 +1,4 @@
-"""Writes the outcomes of runs of the detection case study into docs/detection-case-study.md.
+"""Writes the outcomes of runs of the detection case study into docs/detection.md.
 
     python -m scripts.outcomes runs/detection-case-study/001 runs/detection-case-study/002 …
 
@@ -16,10 +16,10 @@ from pathlib import Path
 from flocking.errors import InputError
 from trials.batch.store import opened
 from trials.reports.report import report
+from trials.reports.wording import VERDICTS
 
-PAGE = Path(__file__).parents[1] / "docs" / "detection-case-study.md"
+PAGE = Path(__file__).parents[1] / "docs" / "detection.md"
 BEGIN, END = "<!-- outcomes: begin", "<!-- outcomes: end -->"
-VERDICTS = {True: "holds", False: "does not hold", None: "undecided"}
 
 
 def main(folders: Sequence[str]) -> None:
@@ -57,7 +57,7 @@ def _tables(columns: dict[str, list[dict[str, object]]], commands: list[str]) ->
         numbers = (
             f"{_number(entry['measured'])} | {_interval(entry)} | {_number(entry['margin'])} | {entry['n'] or '-'}"
         )
-        lines.append(f"| {number} | {entry['published']} | {numbers} | {VERDICTS[entry['agrees']]} |")  # type: ignore[index]
+        lines.append(f"| {number} | {entry['claim']} | {numbers} | {VERDICTS[entry['agrees']]} |")  # type: ignore[index]
     lines += ["", "What each number is stands in the report (`quantity` and `test`).", ""]
     lines += ["### With other sensors and with the choices that were not published halved and doubled", ""]
     lines += ["+ holds, − does not hold, ? undecided; the number is that on which the verdict hangs.", ""]

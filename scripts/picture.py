@@ -17,9 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flocking.types import Floats, Kind
-from trials.simulations.columns import in_world
+from trials.simulations.columns import in_world, member_colours
 from trials.simulations.robots.recorded_senses import INTENSITY_PALETTE, intensity_levels, scan_points
-from trials.simulations.robots.screen import robot_colours
 from trials.types import Scans, TrialResult
 
 BACKGROUND, WALL, TEXT = "#0e1117", "#6e7b8b", "#d7dde4"
@@ -79,7 +78,7 @@ def draw(result: TrialResult, focal: int, time: float, path: Path) -> None:
     axes.set_facecolor(BACKGROUND)
     for x0, y0, x1, y1 in result.walls_w:
         axes.plot([x0, x1], [y0, y1], color=WALL, linewidth=3.0, solid_capstyle="butt", zorder=2)
-    colours = _hex(robot_colours(len(result.robot_names)))
+    colours = _hex(member_colours(len(result.robot_names)))
     if result.scans is not None:
         _draw_scans(axes, result.scans, focal, time, len(result.robot_names))
     for k, colour in enumerate(colours):

@@ -6,8 +6,8 @@
 
 `keep` runs the `herd` command that is installed beside the Python which runs it, so that one copy of this file serves
 any version. `compare` reads what those commands wrote: what `herd show` says (but for the words of sources), each row
-of the results, each array of the series, and each column of one recording, with its scans. Equal bits are to be expected
-on one type of processor only.
+of the results, each array of the series, and each column of one recording, with its scans. Equal bits are to be
+expected on one type of processor only.
 """
 
 from __future__ import annotations
@@ -29,6 +29,8 @@ import numpy as np
 SMALLER: dict[str, tuple[str, ...]] = {"vicsek-transition": ("--set", "steps=100")}
 """Options of experiments that would take long at their own settings."""
 SEEDS = (1, 2)
+ADDED = "added:"
+"""Before what only the new version has, which is told, and is no difference."""
 NOT_COMPARED = frozenset({"trial", "format"})
 """Of a series' head: the trial as its version writes it down, and the version of the format."""
 _COLUMN_GAP = re.compile(r"\s{2,}")
@@ -76,11 +78,10 @@ def compare(before: Path, after: Path) -> list[str]:
 
 
 def _unequal(where: str, before: dict[Any, Any], after: dict[Any, Any]) -> list[str]:
-    lines = []
-    for key in before.keys() | after.keys():
-        if key not in before or key not in after:
-            lines.append(f"{where} {key}: only {'before' if key in before else 'after'}")
-        elif before[key] != after[key]:
+    lines = [f"{ADDED} {where} {key}" for key in after.keys() - before.keys()]
+    lines += [f"{where} {key}: gone" for key in before.keys() - after.keys()]
+    for key in before.keys() & after.keys():
+        if before[key] != after[key]:
             lines.append(f"{where} {key}: {before[key]!s:.200} became {after[key]!s:.200}")
     return sorted(lines)
 
@@ -121,7 +122,7 @@ def _series(run: Path) -> dict[Any, Any]:
                 data = archive.read(entry)
                 if not entry.endswith(".npy"):
                     head = json.loads(data)
-                    found[path.stem, entry] = {k: v for k, v in head.items() if k not in NOT_COMPARED}
+                    found |= {(path.stem, entry, k): v for k, v in head.items() if k not in NOT_COMPARED}
                     continue
                 array = np.lib.format.read_array(io.BytesIO(data), allow_pickle=False)
                 found[path.stem, entry] = (array.dtype.str, array.shape, array.tobytes())
@@ -145,7 +146,7 @@ def _recordings(run: Path) -> dict[Any, Any]:
 
 
 def main() -> int:
-    """The command: 0 the same, 1 differences, which it prints."""
+    """The command: 0 the same, 1 differences; it prints them, and what was added."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     ways = parser.add_subparsers(dest="way", required=True)
     keeping = ways.add_parser("keep", help="run every experiment, small")
@@ -160,8 +161,10 @@ def main() -> int:
         keep(given.folder, given.experiments, given.seeds)
         return 0
     differences = compare(given.before, given.after)
-    print("\n".join(differences) or "the same")
-    return 1 if differences else 0
+    print("\n".join(differences))
+    changed = [line for line in differences if not line.startswith(ADDED)]
+    print(f"{len(changed)} differences; {len(differences) - len(changed)} entries that only the new version has")
+    return 1 if changed else 0
 
 
 if __name__ == "__main__":

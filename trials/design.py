@@ -27,7 +27,7 @@ from typing import Any
 
 from flocking import found
 from flocking.errors import InputError, unknown_name
-from trials import simulations
+from trials import keys, simulations
 from trials.rows import Row, marked
 from trials.types import Trial, Value
 
@@ -107,28 +107,15 @@ def plan(
         if key in arm_values:
             raise InputError(f"{key} is both set and swept; expected one of the two")
     conditions: dict[str, list[Any]] = {key: list(values) for key, values in module.CONDITIONS.items()}
-    for group in module.base(1).groups:
-        for field, name_given in (("law", law), ("pipeline", pipeline), ("body", body)):
-            if name_given is None:
-                continue
-            key = f"{group.name}.{field}"
-            if key in settings or key in arm_values:
-                other = f"--set {key}={settings[key]}" if key in settings else f"--sweep {key}"
-                raise InputError(f"--{field} {name_given} and {other}: expected one of the two")
-            if field == "law" and name_given.endswith(simulations.AVOIDS) and f"{group.name}.obstacles" in settings:
-                given = settings[f"{group.name}.obstacles"]
-                raise InputError(
-                    f"--law {name_given} and --set {group.name}.obstacles={given}: expected one of the two"
-                )
-            if field == "body" and simulations.is_kinematic(module.base(1)):
-                raise InputError(f"--body {name_given}: {name} has no bodies; expected an experiment on robots")
-            settings[key] = name_given
+    notes: dict[str, None] = {}
+    for field, value in (("law", law), ("pipeline", pipeline), ("body", body)):
+        if value is not None:
+            settings |= _of_first_group(module.base(1), field, value, {**settings, **arm_values}, notes)
     for key in [key for key in settings if key in conditions]:
         conditions[key] = [settings.pop(key)]
     for key in [key for key in arm_values if key in conditions]:
         conditions[key] = arm_values.pop(key)
     arms = [dict(zip(arm_values, values, strict=True)) for values in itertools.product(*arm_values.values())]
-    notes: dict[str, None] = {}
     designs = [(arm, _cells(module, settings, arm, conditions, notes)) for arm in arms]
     total = repeats * sum(len(cells) for _, cells in designs)
     if total > MAX_TRIALS:
@@ -157,22 +144,43 @@ def plan(
     )
 
 
+def _of_first_group(
+    base: Trial, field: str, value: str, given: Mapping[str, Any], notes: dict[str, None]
+) -> dict[str, Any]:
+    """What `--law`, `--pipeline` or `--body` sets: that of the first group, which is the herd.
+
+    Raises `InputError` where it is `given` as well, or where the trial has no such thing.
+    """
+    first, *others = base.groups
+    key, obstacles = f"{first.name}.{field}", f"{first.name}.obstacles"
+    for other in (key, obstacles) if field == "law" and value.endswith(keys.AVOIDS) else (key,):
+        if other in given:
+            option = "--sweep" if isinstance(given[other], list) else "--set"
+            raise InputError(f"--{field} {value} and {option} {other}={given[other]}: expected one of the two")
+    if not keys.has(base, key):
+        kinds = {"law": "laws", "pipeline": "pipelines", "body": "bodies"}[field]
+        raise InputError(f"--{field} {value}: {base.experiment} has no {kinds}; expected an experiment with {kinds}")
+    if others:
+        notes[f"--{field} is of {first.name}; of another group: --set {others[0].name}.{field}={value}"] = None
+    return {key: value}
+
+
 def _parameters(module: ModuleType, trial: Trial, given: set[str]) -> list[Row]:
     """Every parameter of a trial; those that the user set say so."""
     sources = getattr(module, "SOURCES", {})
     usual = _usual(module.base(trial.repeat), trial)
-    rows = simulations.rows(trial, sources)
+    rows = keys.rows(trial, sources)
     return [marked(row, usual.get(row.key, row.value)) if row.key in given else row for row in rows]
 
 
 def _usual(base: Trial, trial: Trial) -> dict[str, Any]:
     """The experiment's own value of each key; of another law's parameters those that it has by itself."""
-    usual = {row.key: row.value for row in simulations.rows(base)}
+    usual = {row.key: row.value for row in keys.rows(base)}
     groups = [
         own if own.law == other.law else dataclasses.replace(other, law_parameters={})
         for own, other in zip(base.groups, trial.groups, strict=True)
     ]
-    others = simulations.rows(dataclasses.replace(base, groups=tuple(groups)))
+    others = keys.rows(dataclasses.replace(base, groups=tuple(groups)))
     return usual | {row.key: row.value for row in others if ".law." in row.key}
 
 
@@ -192,7 +200,7 @@ def _cells(
     chosen = {**settings, **arm}
     names = {key: value for key, value in chosen.items() if not any(_names_first(key)[:2])}
     changed = any(key.rsplit(".", 1)[-1] == "law" for key in names)
-    known = {row.key for row in simulations.rows(_put(module.base(1), names))} if changed else set(conditions)
+    known = {row.key for row in keys.rows(_put(module.base(1), names))} if changed else set(conditions)
     for key in conditions:
         if key not in known:
             notes[f"{key} is left out: the law has no parameter {key.rsplit('.', 1)[-1]}"] = None
@@ -217,7 +225,7 @@ def _placed(
     for cell in cells:
         given = {**settings, **cell}
         names = {key: value for key, value in given.items() if not any(_names_first(key)[:2])}
-        known.append({row.key for row in simulations.rows(_put(module.base(1), names))} | names.keys())
+        known.append({row.key for row in keys.rows(_put(module.base(1), names))} | names.keys())
     everywhere, somewhere = set.intersection(*known), set.union(*known)
     for key in sorted(parameters & somewhere - everywhere):
         notes[f"{key} is left out where there is no such parameter"] = None
@@ -229,7 +237,7 @@ def _placed(
 
 def _put(trial: Trial, values: Mapping[str, Any]) -> Trial:
     for key in sorted(values, key=_names_first):
-        trial = simulations.put(trial, key, values[key])
+        trial = keys.put(trial, key, values[key])
     return trial
 
 

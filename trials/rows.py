@@ -1,12 +1,24 @@
-"""The lines of `herd show`: what every key of a trial has, and how a key is given another value."""
+"""The dotted keys of a trial: families of declared parameters, and the lines of `herd show` about them."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
-from flocking.errors import unknown_name
-from flocking.parameters import Declared, Parameter, checked, declared
+from flocking.parameters import Declared, Parameter, declared
+
+
+class Section(NamedTuple):
+    """Declared parameters that share a prefix of their keys."""
+
+    prefix: str
+    """`world.` or empty; of a group's parameters without the group's name."""
+    parameters: Mapping[str, Declared]
+    values: Callable[[], Mapping[str, Any]]
+    """By name, the values that the trial will use, of the parameters that are shown. A parameter that is not among
+    them can be set all the same."""
+    words: Mapping[str, Parameter] = {}
+    """By name, what is said of a value in place of its declaration's own source."""
 
 
 class Row(NamedTuple):
@@ -19,21 +31,28 @@ class Row(NamedTuple):
     published: bool
 
 
-def rows_of(parameters: type, prefix: str, given: Mapping[str, Any]) -> list[Row]:
-    """A row for each declared parameter, with the value given or its default."""
-    return [
-        Row(f"{prefix}{d.name}", given.get(d.name, d.default), d.about.unit, d.about.source, d.about.published)
-        for d in declared(parameters).values()
-    ]
+def section(prefix: str, parameters: type, values: Callable[[], Mapping[str, Any]]) -> Section:
+    """The section of a named tuple of declared parameters."""
+    return Section(prefix, declared(parameters), values)
 
 
-def added(
-    given: Mapping[str, Any], key: str, name: str, value: Any, known: Mapping[str, Declared], keys: Iterable[str]
-) -> dict[str, Any]:
-    """`given` with one more value, checked. Raises `InputError`; `keys`: all that there are."""
-    if name not in known:
-        raise unknown_name("parameter", key, list(keys))
-    return {**given, name: checked(key, value, known[name])}
+def below(setup: Mapping[str, Any], prefix: str) -> dict[str, Any]:
+    """The entries of a setup whose keys begin with `prefix`, without it; for an empty prefix those without a dot."""
+    if not prefix:
+        return {key: value for key, value in setup.items() if "." not in key}
+    return {key.removeprefix(prefix): value for key, value in setup.items() if key.startswith(prefix)}
+
+
+def rows_of(section: Section, group: str = "") -> list[Row]:
+    """A row for each parameter of a section that is shown; `group`: what stands before its keys."""
+    values = section.values()
+    found = []
+    for name, parameter in section.parameters.items():
+        if name in values:
+            about = section.words.get(name, parameter.about)
+            key = f"{group}{section.prefix}{name}"
+            found.append(Row(key, values[name], parameter.about.unit, about.source, about.published))
+    return found
 
 
 def marked(row: Row, usual: Any) -> Row:

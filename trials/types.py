@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,53 +17,24 @@ Value = bool | int | float | str
 
 @dataclass(frozen=True)
 class Group:
-    """Robots of one kind that run the same mind. Names, text and numbers only."""
+    """Members of one kind that run the same mind. Names, text and numbers only."""
 
-    name: str = "herd"
-    count: int = 6
-    body: str = "create"
-    sensors: str = "datasheet"
-    """Named setting of the laser: ideal, datasheet or harsh."""
-    sensor_parameters: Mapping[str, Value] = field(default_factory=dict)
-    pipeline: str = "member-based"
-    pipeline_parameters: Mapping[str, Value] = field(default_factory=dict)
-    selection: str = "all"
-    law: str = "extended-hamilton"
+    law: str
     """Name of a law, or the path of a user's own law file."""
+    count: int
+    pipeline: str
+    name: str = "herd"
+    """Its keys begin with it, as in `herd.count`."""
+    selection: str = "all"
     law_source: str = ""
     """Text of the user's own law file: it travels with the trial."""
     law_parameters: Mapping[str, Value] = field(default_factory=dict)
+    pipeline_parameters: Mapping[str, Value] = field(default_factory=dict)
     spread: Mapping[str, float] = field(default_factory=dict)
-    """Name of a law's parameter → how far members differ in it, as a share of its value (`trials.simulations.spread`)."""
-    speed_m_s: float = 0.25
-    """Cruising speed towards a way-point."""
-    rate_hz: float = 10.0
-    phase: str = "random"
-    """`random`: each robot's clock starts at its own moment; `together`: all at once (synchronous)."""
-    latency_s: float = 0.04
-    """From sensing to acting."""
-    start_moving: bool = True
-    """Whether the command that robots are given at the start, and keep while they see nobody, is to drive straight
-    on at cruising speed; else it is to stand still."""
-    role: int = 0
-    """What its robots' laws are told of their role: 0 ordinary; 1 leader, informed or strong."""
-    informed: int = 0
-    """How many of its robots, the first ones, are given the goal; their role is 1."""
-    goal_x_m: float = 0.0
-    goal_y_m: float = 0.0
-    """Where that goal is in the world; one far away is a preferred direction."""
-    own_motion: str = "commands"
-    """How its robots know their own motion: `commands`, `odometry` or `true`."""
-    association: str = "two-scans"
-    """How neighbours' velocities and headings come about where the pipeline gives none: `two-scans` or `none`."""
-    association_parameters: Mapping[str, Value] = field(default_factory=dict)
-    obstacles: str = "as-law"
-    """What is done about obstacles beside what the law does: `as-law` (nothing), `avoid` or `virtual-members`."""
-    obstacle_selection: str = "all"
-    avoidance_parameters: Mapping[str, Value] = field(default_factory=dict)
-    kinematics: Mapping[str, Value] = field(default_factory=dict)
-    """Of a kinematic trial: what differs from the defaults of `trials.simulations.kinematic.fields.GroupFields`. Such a group has
-    a count, a pipeline, a selection and a law; the other fields of a robot mean nothing to it."""
+    """Name of a law's parameter → how far members differ in it, as a share of its value (`simulations.spread`)."""
+    setup: Mapping[str, Value] = field(default_factory=dict)
+    """What else the trial's simulation lets a group be given, by key without the group's name: `speed_m_s`,
+    `sensors.dropout`. What is left out has the value that the simulation declares."""
 
 
 @dataclass(frozen=True)
@@ -71,30 +42,23 @@ class Trial:
     """Everything that decides a trial: the same `Trial` gives the same `TrialResult`."""
 
     experiment: str
-    index: int
-    """From 1."""
-    seed: int
     repeat: int
     """From 1; trials of the same repeat share start and noise, whatever their conditions."""
+    simulation: str
+    """What runs it: a folder of `trials.simulations`."""
     world: str
     formation: str
-    duration_s: float
-    """0 for a kinematic trial, which counts steps."""
     groups: tuple[Group, ...]
+    index: int = 1
+    """From 1."""
+    seed: int = 1
     world_parameters: Mapping[str, Value] = field(default_factory=dict)
+    formation_parameters: Mapping[str, Value] = field(default_factory=dict)
+    setup: Mapping[str, Value] = field(default_factory=dict)
+    """What else the simulation lets a trial be given, by key: `duration_s`, `links.range_m`. What is left out has the
+    value that the simulation declares."""
     conditions: Mapping[str, Value] = field(default_factory=dict)
     """What the experiment (and a sweep) varies from trial to trial."""
-    timestep_s: float = 0.01
-    """Of physics."""
-    simulation: str = "physics"
-    """`physics`: robots in MuJoCo; `kinematic`: the compiled herd of `flocking.kinematic`."""
-    formation_parameters: Mapping[str, Value] = field(default_factory=dict)
-    kinematics: Mapping[str, Value] = field(default_factory=dict)
-    """Of a kinematic trial: what differs from the defaults of `trials.simulations.kinematic.fields.TrialFields`; its length and
-    time step are among them."""
-    links: Mapping[str, Value] = field(default_factory=dict)
-    """Of a kinematic trial: the `trials.simulations.kinematic.links.Parameters` with which its links are measured; {} = they are
-    not."""
 
     def as_dict(self) -> dict[str, Any]:
         """As plain dicts and lists, for JSON."""
@@ -106,6 +70,14 @@ class Trial:
         fields = dict(data)
         fields["groups"] = tuple(Group(**group) for group in fields["groups"])
         return Trial(**fields)
+
+
+Kept = TypeVar("Kept", Group, Trial)
+
+
+def with_setup(kept: Kept, values: Mapping[str, Value]) -> Kept:
+    """A trial or a group with these entries of its setup, in place of its own of the same keys."""
+    return dataclasses.replace(kept, setup={**kept.setup, **values})
 
 
 class Measure(NamedTuple):
@@ -149,6 +121,27 @@ class Updates:
     """(U,) beams that made an input but belong to nobody."""
 
 
+def no_updates(members: int) -> Updates:
+    """Those of a simulation whose members do not update one by one."""
+    none, whole = np.empty(0), np.empty(0, np.int64)
+    return Updates(
+        times=none,
+        robots=whole,
+        kinds=whole,
+        rules=whole,
+        motions=np.empty((0, 2)),
+        poses_w=np.empty((0, 3)),
+        commands=np.empty((0, 2)),
+        input_starts=np.zeros(1, np.int64),
+        input_positions=np.empty((0, 2), np.float32),
+        input_owners=np.empty(0, np.int16),
+        member_states=np.empty((0, members), np.int8),
+        beams_lit=whole,
+        beams_missed=whole,
+        beams_made_up=whole,
+    )
+
+
 @dataclass(frozen=True)
 class Scans:
     """The scans kept for a recording; S rows."""
@@ -181,6 +174,12 @@ class Contacts:
     """(C, 2)."""
 
 
+def no_contacts() -> Contacts:
+    """Those of a simulation whose members touch nothing."""
+    whole = np.empty(0, np.int64)
+    return Contacts(np.empty(0), whole, whole, np.empty((0, 2)))
+
+
 @dataclass(frozen=True)
 class TrialResult:
     """What was measured in one trial of N robots sampled at T times."""
@@ -201,6 +200,8 @@ class TrialResult:
     """For each robot the names of its law's rules."""
     walls_w: Floats
     """(W, 4) segments, m."""
+    period_m: float
+    """Side of a periodic world; nan where there is none."""
     updates: Updates
     contacts: Contacts
     scans: Scans | None

@@ -33,6 +33,26 @@ def closed(corners: Sequence[tuple[float, float]]) -> Floats:
     return np.ascontiguousarray(np.hstack([points, np.roll(points, -1, axis=0)]))
 
 
+def clearance(segments: Floats, points: Floats) -> Floats:
+    """(N,) distance (m) of points (N, 2) from the nearest of the segments (K, 4): negative behind it, inf without any.
+
+    Behind is on the right of a segment, seen from its start to its end. Where two are equally near, as at a corner, a
+    point is behind only if it is behind both.
+    """
+    found = np.full(len(points), -math.inf)
+    nearest = np.full(len(points), math.inf)
+    for x0, y0, x1, y1 in segments:
+        along, offset = np.array([x1 - x0, y1 - y0]), points - (x0, y0)
+        share = np.clip(offset @ along / (along @ along), 0.0, 1.0)
+        to_point = offset - share[:, None] * along
+        distance = np.hypot(to_point[:, 0], to_point[:, 1])
+        signed = np.where(along[0] * offset[:, 1] - along[1] * offset[:, 0] >= 0.0, distance, -distance)
+        tied = np.abs(distance - nearest) <= 1e-9 * np.maximum(distance, 1.0)
+        found = np.where(tied, np.maximum(found, signed), np.where(distance < nearest, signed, found))
+        nearest = np.minimum(nearest, distance)
+    return found if len(segments) else nearest
+
+
 def add_walls(spec: mujoco.MjSpec, walls: Walls) -> None:
     """Adds one box for each segment, whose face lies on the segment.
 

@@ -21,5 +21,9 @@ A law's file holds
 - `law(own, members, sets, obstacles, parameters, memory, u) -> Motion`, pure but for `memory` (MEMORY,) that it
   may write to. `sets` is (S, M) bool: which members each selection kept; `u` is (DRAWS,).
 
-`flocking.lawentry.load` compiles it; the same function drives a robot and a member of a kinematic herd.
+What several laws share stands beside this folder (`flocking.terms`, `geometry`, `steps`, `cohesion`) or, where only the
+laws of one family share it, in a file here whose name begins with `_`, which is no law. A parameter's unit, source and
+bounds may stand there; its name, its place and its default stand in the law.
+
+`flocking.lawentry.load` compiles a law; the same function drives a robot and a member of a kinematic herd.
 """

@@ -23,7 +23,7 @@ from typing import Annotated, NamedTuple
 from flocking.compilation import compiled
 from flocking.parameters import Parameter
 from flocking.taxonomy import Filled, Herd, Taxonomy, Validation
-from flocking.terms import limited, rotated, unit
+from flocking.terms import limited, rotated, towards_goal, unit
 from flocking.types import Bools, Floats, Kind, Members, Motion, Obstacles, Own
 
 NEEDS = frozenset({"positions", "ids", "goal", "obstacles"})
@@ -206,8 +206,8 @@ def law(
     flight_x, flight_y = unit(flight_x, flight_y)
     if flight_x != 0.0 or flight_y != 0.0:
         return Motion(Kind.VELOCITY, parameters.speed_m_s * flight_x, parameters.speed_m_s * flight_y, 1)
-    if not math.isnan(own.goal[0]):
-        goal_x, goal_y = unit(own.goal[0], own.goal[1])
+    has_goal, goal_x, goal_y = towards_goal(own.goal)
+    if has_goal:
         x, y = x + parameters.goal_gain * goal_x, y + parameters.goal_gain * goal_y
 
     place_x, place_y = to_place(own, members, sets[TEAM], parameters.formation, parameters.spacing_m)

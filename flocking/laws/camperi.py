@@ -19,7 +19,7 @@ from __future__ import annotations
 import math
 from typing import Annotated, NamedTuple
 
-from flocking.cohesion import ORDER, pair_forces
+from flocking.cohesion import BRACKET, FOR_CREATES, ORDER, pair_forces
 from flocking.parameters import Parameter
 from flocking.taxonomy import Filled, Herd, Taxonomy, Validation
 from flocking.terms import mean_vector, unit
@@ -44,24 +44,11 @@ FILLED = (
         "what becomes of an infinite force among finite ones, and of several infinite ones",
         "the member turns straight away from those within the core, each weighing alike; no noise acts",
     ),
-    Filled(
-        "motion computation",
-        "table A.1 closes the bracket of the distance in the wrong place and calls the member's position a region",
-        "a condition on the distance between the two",
-        misprint=True,
-    ),
+    BRACKET,
     Filled("motion computation", "the formula is undefined without neighbours", "velocity is kept"),
 )
 HERD = Herd(spacing_m=0.5, speed_m_s=0.05, dt_s=1.0, space="unbounded")
-CREATE = {
-    "range_m": 2.5,
-    "core_m": 0.4,
-    "equilibrium_m": 0.9,
-    "attraction_m": 1.4,
-    "speed_m_s": 0.25,
-    "alignment_s_m": 7.0,
-    "noise": 0.5,
-}
+CREATE = {**FOR_CREATES, "noise": 0.5}
 
 SAME_AUTHORS = "our choice: as in Bialek et al. 2012 (PNAS 109), some of the same authors, the same equation"
 

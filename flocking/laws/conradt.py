@@ -23,7 +23,7 @@ from typing import Annotated, NamedTuple
 
 from flocking.parameters import Parameter
 from flocking.taxonomy import Filled, Herd, Taxonomy, Validation
-from flocking.terms import mean_unit_vector, unit
+from flocking.terms import NEGLIGIBLE, mean_unit_vector, towards_goal
 from flocking.types import Bools, Floats, Kind, Members, Motion, Obstacles, Own
 
 NEEDS = frozenset({"positions", "velocities", "goal"})
@@ -41,8 +41,6 @@ HERD = Herd(spacing_m=2.0, speed_m_s=1.0, dt_s=0.2)
 CREATE = {"alpha_m": 0.6, "beta_m": 4.0, "speed_m_s": 0.25}
 
 ALONE, APART, TOGETHER, TARGET = range(4)
-NEGLIGIBLE = 1e-12
-"""A sum of unit vectors shorter than this is zero but for rounding."""
 
 
 class Parameters(NamedTuple):
@@ -68,9 +66,7 @@ def law(
     """Heading: away from those too near, or a weighted sum, or the target."""
     near, away_x, away_y = mean_unit_vector(members.positions, sets[0])
     seen, towards_x, towards_y = mean_unit_vector(members.positions, sets[1])
-    goal_x, goal_y = 0.0, 0.0
-    if not math.isnan(own.goal[0]):
-        goal_x, goal_y = unit(own.goal[0], own.goal[1])
+    _, goal_x, goal_y = towards_goal(own.goal)
     if near > 0:
         rule, x, y = APART, -away_x, -away_y
     elif seen > 0:

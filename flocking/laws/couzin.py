@@ -28,7 +28,7 @@ from typing import Annotated, NamedTuple
 from flocking.angles import wrap
 from flocking.parameters import Parameter
 from flocking.taxonomy import Filled, Herd, Taxonomy, Validation
-from flocking.terms import count, normal, unit
+from flocking.terms import NEGLIGIBLE, count, normal, towards_goal, unit
 from flocking.types import Bools, Floats, Kind, Members, Motion, Obstacles, Own
 
 SOURCE = "Couzin et al. 2005"
@@ -62,8 +62,6 @@ HERD = Herd(spacing_m=1.5, speed_m_s=3.0, dt_s=0.2)
 CREATE = {"alpha_m": 0.6, "rho_m": 4.0, "speed_m_s": 0.25, "turn_limit_rad_s": 10.0}
 
 ALONE, APART, TOGETHER, INFORMED = range(4)
-NEGLIGIBLE = 1e-12
-"""A sum of unit vectors shorter than this is zero but for rounding."""
 
 
 class Parameters(NamedTuple):
@@ -111,10 +109,10 @@ def law(
                 y += uy + vy
     if math.hypot(x, y) <= NEGLIGIBLE:
         x, y = 1.0, 0.0
-    if near == 0 and not math.isnan(own.goal[0]):
+    has_goal, gx, gy = towards_goal(own.goal)
+    if near == 0 and has_goal:
         rule = INFORMED
         x, y = unit(x, y)
-        gx, gy = unit(own.goal[0], own.goal[1])
         x += parameters.omega * gx
         y += parameters.omega * gy
         if math.hypot(x, y) <= NEGLIGIBLE:

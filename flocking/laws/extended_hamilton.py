@@ -25,7 +25,7 @@ from __future__ import annotations
 import math
 from typing import Annotated, NamedTuple
 
-from flocking.geometry import NOT_FOUND, distance, nearest, nearest_to
+from flocking.geometry import NOT_FOUND, line, nearest, nearest_to
 from flocking.parameters import Parameter
 from flocking.taxonomy import Filled, Herd, Taxonomy, Validation
 from flocking.types import Bools, Floats, Kind, Members, Motion, Obstacles, Own
@@ -93,9 +93,7 @@ def law(
         if near:
             return Motion(Kind.STOP, math.nan, math.nan, SNN)
         return Motion(Kind.WAY_POINT, x, y, SNN)
-    gap = distance(positions, a1, a2)
-    along_x = (positions[a2, 0] - x) / gap
-    along_y = (positions[a2, 1] - y) / gap
+    gap, along_x, along_y = line(positions, a1, a2)
     if near:
         side = parameters.repulsion_m if u[0] < 0.5 else -parameters.repulsion_m
         return Motion(Kind.WAY_POINT, -along_y * side, along_x * side, PERPENDICULAR)

@@ -12,13 +12,12 @@ takes the place of h, so that a member alone turns to its goal by and by or, wit
 
 from __future__ import annotations
 
-import math
 from typing import Annotated, NamedTuple
 
-from flocking.laws.turgut import alignment, proximal, steered
+from flocking.laws import _kobots as kobots
 from flocking.parameters import Parameter
 from flocking.taxonomy import Filled, Herd, Taxonomy, Validation
-from flocking.terms import normal, rotated, unit
+from flocking.terms import normal, rotated, towards_goal
 from flocking.types import Bools, Floats, Kind, Members, Motion, Obstacles, Own
 
 SOURCE = "Gökçe and Şahin 2009"
@@ -36,18 +35,8 @@ FILLED = (
         "table 3.2 lists velocity, which the formula does not read",
         "the row is given as printed; the law reads no velocities",
     ),
-    Filled(
-        "sensing",
-        "table A.1 writes distances in place of the infrared sensors' levels, without changing the signs",
-        "levels as in the original, falling linearly from touching to the sensors' range",
-        misprint=True,
-    ),
-    Filled(
-        "motion computation",
-        "table A.1 leaves the sum of headings without its length, and prints sensor angles of 4k/pi",
-        "the unit vector along the sum, and k pi/4, as in the original",
-        misprint=True,
-    ),
+    kobots.LEVELS,
+    kobots.ANGLES,
     Filled(
         "motion computation",
         "what h is for a member that hears nobody; with none, d_home - d turns it beyond its goal each time",
@@ -60,22 +49,22 @@ FILLED = (
     ),
 )
 HERD = Herd(spacing_m=0.3, speed_m_s=0.07, dt_s=0.1)
-CREATE = {"range_m": 5.6, "sensed_m": 1.4, "touching_m": 0.35, "speed_m_s": 0.25}
+CREATE = kobots.FOR_CREATES
 
 
 class Parameters(NamedTuple):
     """Of Kobots that migrate."""
 
-    range_m: Annotated[float, Parameter("m", "our choice: of the radio that tells headings", low=0.0)] = 20.0
-    sensed_m: Annotated[float, Parameter("m", "our choice: infrared sensors that reach 0.2 m", low=0.0)] = 0.32
-    touching_m: Annotated[float, Parameter("m", "our choice: a Kobot's diameter", low=0.0)] = 0.12
-    desired_level: Annotated[float, Parameter("", "our choice: o_des for robots", low=0.0, high=6.9)] = 3.0
-    proximal_weight: Annotated[float, Parameter("", "our choice: beta", low=0.0)] = 4.0
+    range_m: kobots.RangeM = 20.0
+    sensed_m: kobots.SensedM = 0.32
+    touching_m: kobots.TouchingM = 0.12
+    desired_level: kobots.DesiredLevel = 3.0
+    proximal_weight: kobots.ProximalWeight = 4.0
     homing_weight: Annotated[float, Parameter("", "our choice: w2", low=0.0)] = 0.5
     homing_noise_rad: Annotated[
         float, Parameter("rad", f"our choice: standard deviation of the homing error that {SOURCE} vary", low=0.0)
     ] = 0.0
-    speed_m_s: Annotated[float, Parameter("m/s", "our choice: u_max", low=0.0)] = 0.07
+    speed_m_s: kobots.SpeedMS = 0.07
 
 
 def law(
@@ -88,22 +77,15 @@ def law(
     u: Floats,
 ) -> Motion:
     """Heading: alignment, proximal control and home; the speed falls with the turn."""
-    heard, x, y = alignment(members.headings, sets[0])
-    sensed, px, py = proximal(
-        members.positions,
-        sets[1],
-        obstacles.points,
-        parameters.touching_m,
-        parameters.sensed_m,
-        parameters.desired_level,
-    )
+    heard, x, y = kobots.alignment(members.headings, sets[0])
+    sensed, px, py = kobots.proximal(members.positions, sets[1], obstacles.points, parameters)
     x, y = x + parameters.proximal_weight * px, y + parameters.proximal_weight * py
     rule = 1 if heard + sensed > 0 else 0
-    if not math.isnan(own.goal[0]):
-        ux, uy = unit(own.goal[0], own.goal[1])
+    has_goal, ux, uy = towards_goal(own.goal)
+    if has_goal:
         home_x, home_y = rotated(ux, uy, parameters.homing_noise_rad * normal(u[0]))
         x += parameters.homing_weight * (home_x - 1.0)
         y += parameters.homing_weight * home_y
         rule += 2
-    bearing, speed = steered(x, y, parameters.speed_m_s)
+    bearing, speed = kobots.steered(x, y, parameters.speed_m_s)
     return Motion(Kind.HEADING, bearing, speed, rule)

@@ -9,11 +9,11 @@ Needs positions. No neighbours in range: undefined in the publication; the membe
 
 from __future__ import annotations
 
-from typing import Annotated, NamedTuple
+from typing import NamedTuple
 
+from flocking.laws._selfish_herd import NOBODY, SIGHT, BodyLengthM, RepulsionM, SightM
 from flocking.laws.viscido_snn import law
-from flocking.parameters import Parameter
-from flocking.taxonomy import Filled, Herd, Taxonomy, Validation
+from flocking.taxonomy import Herd, Taxonomy, Validation
 
 __all__ = ["law"]
 
@@ -22,10 +22,7 @@ RULES = ("none", "snn")
 SETS = {"nearest": "distance-based(0, range_m) & nearest"}
 TAXONOMY = Taxonomy("homogeneous", "idealized", "discrete", "-", False, True, False, False)
 VALIDATION = Validation("S", True, "global", "-", "-", "unbounded free")
-FILLED = (
-    Filled("neighbour selection", "the radius beta within which a member sees", "a hundred body-lengths: everybody"),
-    Filled("motion computation", "what a member does that detects nobody", "it keeps its motion, as in section 2.1.2"),
-)
+FILLED = (SIGHT, NOBODY)
 HERD = Herd(spacing_m=4.0, speed_m_s=1.0, dt_s=1.0)
 CREATE = {"step_m": 0.33, "repulsion_m": 0.66, "range_m": 5.6}
 
@@ -33,10 +30,6 @@ CREATE = {"step_m": 0.33, "repulsion_m": 0.66, "range_m": 5.6}
 class Parameters(NamedTuple):
     """Of Hamilton's two-dimensional model."""
 
-    step_m: Annotated[
-        float, Parameter("m", "Fine 2015, table A.1 and section 2.1.1: one body-length", published=True, low=0.0)
-    ] = 1.0
-    repulsion_m: Annotated[
-        float, Parameter("m", "Fine 2015, section 2.1.1: two body-lengths", published=True, low=0.0)
-    ] = 2.0
-    range_m: Annotated[float, Parameter("m", "our choice: wider than any group here", low=0.0)] = 100.0
+    step_m: BodyLengthM = 1.0
+    repulsion_m: RepulsionM = 2.0
+    range_m: SightM = 100.0

@@ -26,7 +26,9 @@ import numpy as np
 
 from flocking.compilation import compiled
 from flocking.geometry import NOT_FOUND, before, nearest
+from flocking.laws._selfish_herd import NOBODY, SIGHT, BodyLengthM, RepulsionM, SightM
 from flocking.parameters import Parameter
+from flocking.steps import step
 from flocking.taxonomy import Filled, Herd, Taxonomy, Validation
 from flocking.terms import unit
 from flocking.types import Bools, Floats, Ints, Kind, Members, Motion, Obstacles, Own
@@ -40,8 +42,8 @@ FILLED = (
     Filled("neighbour selection", "what a group is", "members joined by chains of links of at most three body-lengths"),
     Filled("motion computation", "which groups move", "those not larger than the group nearest to them"),
     Filled("motion computation", "where a group moves", "all its members in parallel, from its middle to the other's"),
-    Filled("neighbour selection", "the radius beta within which a member sees", "a hundred body-lengths: everybody"),
-    Filled("motion computation", "what a member does that detects nobody", "it keeps its motion, as in section 2.1.2"),
+    SIGHT,
+    NOBODY,
 )
 HERD = Herd(spacing_m=4.0, speed_m_s=1.0, dt_s=1.0)
 CREATE = {"step_m": 0.33, "repulsion_m": 0.66, "link_m": 0.99, "range_m": 5.6}
@@ -54,14 +56,10 @@ NEGLIGIBLE_M = 1e-9
 class Parameters(NamedTuple):
     """Of Hamilton's model with merging."""
 
-    step_m: Annotated[
-        float, Parameter("m", "Fine 2015, table A.1 and section 2.1.1: one body-length", published=True, low=0.0)
-    ] = 1.0
-    repulsion_m: Annotated[
-        float, Parameter("m", "Fine 2015, section 2.1.1: two body-lengths", published=True, low=0.0)
-    ] = 2.0
+    step_m: BodyLengthM = 1.0
+    repulsion_m: RepulsionM = 2.0
     link_m: Annotated[float, Parameter("m", "our choice: the repulsion distance and a step more", low=0.0)] = 3.0
-    range_m: Annotated[float, Parameter("m", "our choice: wider than any group here", low=0.0)] = 100.0
+    range_m: SightM = 100.0
 
 
 @compiled
@@ -144,6 +142,4 @@ def law(
             if mine <= theirs and math.hypot(gap_x, gap_y) > NEGLIGIBLE_M:
                 rule = MERGE
                 x, y = unit(gap_x, gap_y)
-    if x == 0.0 and y == 0.0:
-        return Motion(Kind.STOP, math.nan, math.nan, rule)
-    return Motion(Kind.WAY_POINT, x * parameters.step_m, y * parameters.step_m, rule)
+    return step(x, y, parameters.step_m, rule)

@@ -19,7 +19,7 @@ from typing import Annotated, NamedTuple
 
 from flocking.parameters import Parameter
 from flocking.taxonomy import Filled, Herd, Taxonomy, Validation
-from flocking.terms import mean_vector, unit
+from flocking.terms import mean_vector, towards_goal, unit
 from flocking.types import Bools, Floats, Kind, Members, Motion, Obstacles, Own
 
 SOURCE = "Hauert et al. 2011"
@@ -92,8 +92,8 @@ def law(
     x = parameters.separation * sx + parameters.alignment * ax + parameters.cohesion * cx
     y = parameters.separation * sy + parameters.alignment * ay + parameters.cohesion * cy
     rule = 1 if found > 0 else 0
-    if not math.isnan(own.goal[0]):
-        mx, my = unit(own.goal[0], own.goal[1])
+    has_goal, mx, my = towards_goal(own.goal)
+    if has_goal:
         x += parameters.migration * mx
         y += parameters.migration * my
         rule += 2

@@ -19,7 +19,7 @@ from typing import Annotated, NamedTuple
 
 from flocking.parameters import Parameter
 from flocking.taxonomy import Filled, Herd, Taxonomy, Validation
-from flocking.terms import random_vector, speed_limited, unit
+from flocking.terms import random_vector, speed_limited, towards_goal, unit_or_ahead
 from flocking.types import Bools, Floats, Kind, Members, Motion, Obstacles, Own
 
 NEEDS = frozenset({"positions", "goal", "obstacles"})
@@ -102,12 +102,10 @@ def law(
 ) -> Motion:
     """Acceleration by the sum of all forces."""
     vx, vy = own.velocity[0], own.velocity[1]
-    going_x, going_y = unit(vx, vy)
-    if going_x == 0.0 and going_y == 0.0:
-        going_x = 1.0
-    wanted_x, wanted_y = going_x, going_y
-    if not math.isnan(own.goal[0]):
-        wanted_x, wanted_y = unit(own.goal[0], own.goal[1])
+    going_x, going_y = unit_or_ahead(vx, vy)
+    has_goal, wanted_x, wanted_y = towards_goal(own.goal)
+    if not has_goal:
+        wanted_x, wanted_y = going_x, going_y
     ax = (parameters.desired_speed_m_s * wanted_x - vx) / parameters.relaxation_s
     ay = (parameters.desired_speed_m_s * wanted_y - vy) / parameters.relaxation_s
     felt = 0

@@ -6,11 +6,12 @@ and 4.2, equation 1. Metres and seconds.
 Of each visible neighbour, the member would like to be at the distance D from it, on the line between the two. These
 points are averaged with weights 1/d², d being the distance to the neighbour. With e the way from the member to that
 mean, the velocity is k_p e + k_v de/dt + v_nom, where v_nom is the mean velocity of the visible neighbours; the member
-that the user controls (role 1) has a v_nom of its own, towards its goal. The user and one more rest at the distance D.
+that the user controls (role 1) has a v_nom of its own, towards its goal. The user's member and one other come to keep
+the distance D.
 
-Needs positions and velocities. No neighbours: an ordinary member keeps its velocity, the user's has v_nom.
+Needs positions and velocities. No neighbours: an ordinary member keeps its velocity, the user's moves with v_nom.
 Two ordinary members alone that update at the same time exchange their velocities and swing ever wider, up to the limit;
-three, or a member and the user, come to rest.
+three, or one and the user's member, come to rest.
 The publication reads its neighbours' desired velocities; for point masses these are their velocities. It sees anew
 every tenth step; here every step. Nothing is done about obstacles: the shared avoidance takes the place of the
 publication's aim point beside an obstacle.
@@ -23,7 +24,7 @@ from typing import Annotated, NamedTuple
 
 from flocking.parameters import Parameter
 from flocking.taxonomy import Filled, Herd, Taxonomy, Validation
-from flocking.terms import mean_vector, unit
+from flocking.terms import mean_vector, towards_goal
 from flocking.types import Bools, Floats, Kind, Members, Motion, Obstacles, Own
 
 SOURCE = "Hodgins and Brogan 1994"
@@ -110,8 +111,8 @@ def law(
     if own.role == CONTROLLED_BY_USER:
         rule = 2 if found == 0 else 3
         nominal_x, nominal_y = parameters.nominal_m_s, 0.0
-        if not math.isnan(own.goal[0]):
-            ux, uy = unit(own.goal[0], own.goal[1])
+        has_goal, ux, uy = towards_goal(own.goal)
+        if has_goal:
             nominal_x, nominal_y = parameters.nominal_m_s * ux, parameters.nominal_m_s * uy
     elif found == 0:
         return Motion(Kind.HOLD, math.nan, math.nan, 0)

@@ -30,6 +30,11 @@ RULES = ("alone", "average")
 SETS = {"neighbours": "distance-based(0, range_m)"}
 TAXONOMY = Taxonomy("homogeneous", "idealized", "discrete", "-", False, True, False, True)
 VALIDATION = Validation("M", True, "global", "constant", "global", "-")
+WRAPPED = Filled(
+    "motion computation",
+    "headings are plain numbers without a period",
+    "differences of heading are wrapped into half a turn either way",
+)
 FILLED = (
     Filled(
         "motion computation",
@@ -42,23 +47,20 @@ FILLED = (
         "the own heading weighs g - n and each neighbour 1, all divided by g, as in the original",
         misprint=True,
     ),
-    Filled(
-        "motion computation",
-        "headings are plain numbers without a period",
-        "differences of heading are wrapped into half a turn either way",
-    ),
+    WRAPPED,
 )
 HERD = Herd(spacing_m=0.5, speed_m_s=0.03, dt_s=1.0, space="periodic")
 CREATE = {"range_m": 2.5, "speed_m_s": 0.25, "g": 10.0}
+
+RangeM = Annotated[float, Parameter("m", f"our choice: the unit of length of {SOURCE}", low=0.0)]
+SpeedMS = Annotated[float, Parameter("m/s", "our choice: that of Vicsek et al. 1995, whose model it explains", low=0.0)]
 
 
 class Parameters(NamedTuple):
     """Of Jadbabaie's law without a leader."""
 
-    range_m: Annotated[float, Parameter("m", f"our choice: the unit of length of {SOURCE}", low=0.0)] = 1.0
-    speed_m_s: Annotated[
-        float, Parameter("m/s", "our choice: that of Vicsek et al. 1995, whose model it explains", low=0.0)
-    ] = 0.03
+    range_m: RangeM = 1.0
+    speed_m_s: SpeedMS = 0.03
     g: Annotated[float, Parameter("", "our choice: above the usual number of neighbours", low=1.0)] = 30.0
 
 

@@ -7,16 +7,15 @@ A follower's new heading is the plain average of its own and those of the n memb
 own heading + the sum of the differences / (1 + n). A leader (role 1) keeps its heading. The speed is constant.
 Followers that are linked to a leader, over others and often enough, all take up its heading.
 
-Needs headings; the selection needs positions. It does not tell leaders from followers among them. No
+Needs headings; the selection needs positions. A member does not tell leaders from followers among its neighbours. No
 neighbours: the heading stays and the member moves on. Differences of heading are wrapped as in `jadbabaie`.
 """
 
 from __future__ import annotations
 
-from typing import Annotated, NamedTuple
+from typing import NamedTuple
 
-from flocking.laws.jadbabaie import SOURCE, heading_differences
-from flocking.parameters import Parameter
+from flocking.laws.jadbabaie import WRAPPED, RangeM, SpeedMS, heading_differences
 from flocking.taxonomy import Filled, Herd, Taxonomy, Validation
 from flocking.types import Bools, Floats, Kind, Members, Motion, Obstacles, Own
 
@@ -34,11 +33,7 @@ FILLED = (
         "all members within range, leaders among them, as in the original",
         misprint=True,
     ),
-    Filled(
-        "motion computation",
-        "headings are plain numbers without a period",
-        "differences of heading are wrapped into half a turn either way",
-    ),
+    WRAPPED,
     Filled(
         "motion computation",
         "table 3.2 counts the group as homogeneous, although leaders do not average",
@@ -52,10 +47,8 @@ CREATE = {"range_m": 2.5, "speed_m_s": 0.25}
 class Parameters(NamedTuple):
     """Of Jadbabaie's law with leaders."""
 
-    range_m: Annotated[float, Parameter("m", f"our choice: the unit of length of {SOURCE}", low=0.0)] = 1.0
-    speed_m_s: Annotated[
-        float, Parameter("m/s", "our choice: that of Vicsek et al. 1995, whose model it explains", low=0.0)
-    ] = 0.03
+    range_m: RangeM = 1.0
+    speed_m_s: SpeedMS = 0.03
 
 
 def law(

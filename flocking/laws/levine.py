@@ -20,7 +20,7 @@ from typing import Annotated, NamedTuple
 
 from flocking.parameters import Parameter
 from flocking.taxonomy import Filled, Herd, Taxonomy, Validation
-from flocking.terms import unit
+from flocking.terms import unit, unit_or_ahead
 from flocking.types import Bools, Floats, Kind, Members, Motion, Obstacles, Own
 
 NEEDS = frozenset({"positions", "velocities"})
@@ -95,9 +95,7 @@ def law(
 ) -> Motion:
     """Acceleration: all forces over the mass."""
     vx, vy = own.velocity[0], own.velocity[1]
-    along_x, along_y = unit(vx, vy)
-    if along_x == 0.0 and along_y == 0.0:
-        along_x = 1.0
+    along_x, along_y = unit_or_ahead(vx, vy)
     force_x, force_y = -parameters.drag_kg_s * vx, -parameters.drag_kg_s * vy
     for j in range(len(members.ids)):
         if not sets[0, j]:

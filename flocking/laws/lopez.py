@@ -28,7 +28,7 @@ from typing import Annotated, NamedTuple
 
 from flocking.parameters import Parameter
 from flocking.taxonomy import Filled, Herd, Taxonomy, Validation
-from flocking.terms import unit
+from flocking.terms import NEGLIGIBLE, unit
 from flocking.types import Bools, Floats, Kind, Members, Motion, Obstacles, Own
 
 NEEDS = frozenset({"positions", "headings"})
@@ -54,9 +54,6 @@ FILLED = (
 )
 HERD = Herd(spacing_m=1.0, speed_m_s=1.0, dt_s=0.1)
 CREATE = {"range_m": 4.0, "speed_m_s": 0.25, "balance_m": 0.8}
-
-NEGLIGIBLE = 1e-12
-"""A direction shorter than this is zero but for rounding."""
 
 
 class Parameters(NamedTuple):

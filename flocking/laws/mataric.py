@@ -20,7 +20,7 @@ from flocking.compilation import compiled
 from flocking.geometry import NOT_FOUND, nearest
 from flocking.parameters import Parameter
 from flocking.taxonomy import Filled, Herd, Taxonomy, Validation
-from flocking.terms import mean_vector, unit
+from flocking.terms import mean_vector, towards_goal, unit
 from flocking.types import Bools, Floats, Kind, Members, Motion, Obstacles, Own
 
 NEEDS = frozenset({"positions", "goal", "obstacles"})
@@ -156,8 +156,8 @@ def law(
     if found > 0:
         ex, ey = unit(cx, cy)
         sum_x, sum_y, rule = sum_x - parameters.disperse_weight * ex, sum_y - parameters.disperse_weight * ey, FLOCKING
-    if not math.isnan(own.goal[0]):
-        ex, ey = unit(own.goal[0], own.goal[1])
+    has_home, ex, ey = towards_goal(own.goal)
+    if has_home:
         sum_x, sum_y = sum_x + parameters.home_weight * ex, sum_y + parameters.home_weight * ey
     if sum_x == 0.0 and sum_y == 0.0:
         return Motion(Kind.HOLD, math.nan, math.nan, rule)

@@ -31,32 +31,36 @@ SETS = {"neighbours": "fixed-set"}
 RELATIONS = ("closest_m below spacing_m",)
 TAXONOMY = Taxonomy("homogeneous", "idealized", "continuous", "member", True, True, True, True)
 VALIDATION = Validation("MS", True, "global", "global", "global", "bounded free")
+SIGN = Filled(
+    "motion computation",
+    "table A.1 prints v_i - v_j, which drives velocities apart",
+    "v_j - v_i, as in the original",
+    misprint=True,
+)
+BOUNDED = Filled(
+    "physical motion",
+    "continuous time, in which a repulsion without bound prevents collisions",
+    "nearer than closest_m the repulsion stays as it is there, so that a time step cannot throw a member away",
+)
 FILLED = (
     Filled(
         "sensing",
         "how a member comes to know positions and velocities",
         "they are known without error; headings, which table 3.2 lists, are not read",
     ),
-    Filled(
-        "motion computation",
-        "table A.1 prints v_i - v_j, which drives velocities apart",
-        "v_j - v_i, as in the original",
-        misprint=True,
-    ),
+    SIGN,
     Filled(
         "motion computation",
         "table A.1 prints 1 / (d² + log d²), constant beyond a range, which has no minimum at which to flock",
         "1/d² + log d², as in the original; over a fixed graph it has no range",
         misprint=True,
     ),
-    Filled(
-        "physical motion",
-        "continuous time, in which a repulsion without bound prevents collisions",
-        "nearer than closest_m the repulsion stays as it is there, so that a time step cannot throw a member away",
-    ),
+    BOUNDED,
 )
 HERD = Herd(spacing_m=1.0, speed_m_s=0.5, dt_s=0.01)
 CREATE = {"spacing_m": 0.8, "strength_m2_s2": 0.05, "alignment_per_s": 0.5, "closest_m": 0.4}
+
+ClosestM = Annotated[float, Parameter("m", "our choice: a quarter of the spacing", low=1e-6)]
 
 
 class Parameters(NamedTuple):
@@ -71,7 +75,7 @@ class Parameters(NamedTuple):
     alignment_per_s: Annotated[float, Parameter("1/s", f"{SOURCE}: the sum has no factor", published=True, low=0.0)] = (
         1.0
     )
-    closest_m: Annotated[float, Parameter("m", "our choice: a quarter of the spacing", low=1e-6)] = 0.25
+    closest_m: ClosestM = 0.25
 
 
 @compiled

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from typing import Annotated, NamedTuple
 
-from flocking.laws.tanner_fixed import law
+from flocking.laws.tanner_fixed import BOUNDED, SIGN, ClosestM, law
 from flocking.parameters import Parameter
 from flocking.taxonomy import Filled, Herd, Taxonomy, Validation
 
@@ -34,23 +34,14 @@ FILLED = (
         "how a member comes to know positions and velocities",
         "they are known without error within the range; headings, which table 3.2 lists, are not read",
     ),
-    Filled(
-        "motion computation",
-        "table A.1 prints v_i - v_j, which drives velocities apart",
-        "v_j - v_i, as in the original",
-        misprint=True,
-    ),
+    SIGN,
     Filled(
         "motion computation",
         "table A.1 prints i / (d² + log d²), which has no minimum at which to flock",
         "1/d² + log d² up to the range and its value there beyond, as in the original",
         misprint=True,
     ),
-    Filled(
-        "physical motion",
-        "continuous time, in which a repulsion without bound prevents collisions",
-        "nearer than closest_m the repulsion stays as it is there, so that a time step cannot throw a member away",
-    ),
+    BOUNDED,
 )
 HERD = Herd(spacing_m=1.0, speed_m_s=0.5, dt_s=0.01)
 CREATE = {"range_m": 2.5, "spacing_m": 0.8, "strength_m2_s2": 0.05, "alignment_per_s": 0.5, "closest_m": 0.4}
@@ -69,4 +60,4 @@ class Parameters(NamedTuple):
     alignment_per_s: Annotated[float, Parameter("1/s", f"{SOURCE}: the sum has no factor", published=True, low=0.0)] = (
         1.0
     )
-    closest_m: Annotated[float, Parameter("m", "our choice: a quarter of the spacing", low=1e-6)] = 0.25
+    closest_m: ClosestM = 0.25

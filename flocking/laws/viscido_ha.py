@@ -26,8 +26,10 @@ from __future__ import annotations
 import math
 from typing import Annotated, NamedTuple
 
-from flocking.geometry import NOT_FOUND, distance, nearest, nearest_to
+from flocking.geometry import NOT_FOUND, line, nearest, nearest_to
+from flocking.laws._selfish_herd import NOBODY, BodyLengthM, RepulsionM
 from flocking.parameters import Parameter
+from flocking.steps import step
 from flocking.taxonomy import Filled, Herd, Taxonomy, Validation
 from flocking.terms import unit
 from flocking.types import Bools, Floats, Kind, Members, Motion, Obstacles, Own
@@ -40,7 +42,7 @@ TAXONOMY = Taxonomy("homogeneous", "idealized", "discrete", "-", False, True, Fa
 VALIDATION = Validation("S", True, "global", "-", "-", "bounded free")
 FILLED = (
     Filled("motion computation", "what a member does that detects one other", "a step of SNN, as in section 2.1.2"),
-    Filled("motion computation", "what a member does that detects nobody", "it keeps its motion, as in section 2.1.2"),
+    NOBODY,
     Filled(
         "motion computation",
         "table A.1 turns position plus step by a right angle, which depends on the origin",
@@ -62,12 +64,8 @@ NONE, SNN, HAMILTON, PERPENDICULAR = range(4)
 class Parameters(NamedTuple):
     """Of the original Hamilton's rule."""
 
-    step_m: Annotated[
-        float, Parameter("m", "Fine 2015, table A.1 and section 2.1.1: one body-length", published=True, low=0.0)
-    ] = 1.0
-    repulsion_m: Annotated[
-        float, Parameter("m", "Fine 2015, section 2.1.1: two body-lengths", published=True, low=0.0)
-    ] = 2.0
+    step_m: BodyLengthM = 1.0
+    repulsion_m: RepulsionM = 2.0
     offset_m: Annotated[
         float, Parameter("m", "Fine 2015, section 2.1.1: two body-lengths from the nearest", published=True, low=0.0)
     ] = 2.0
@@ -98,9 +96,7 @@ def law(
         if near:
             x, y = 0.0, 0.0
     else:
-        gap = distance(positions, k, second)
-        along_x = (positions[second, 0] - positions[k, 0]) / gap
-        along_y = (positions[second, 1] - positions[k, 1]) / gap
+        gap, along_x, along_y = line(positions, k, second)
         if near:
             rule = PERPENDICULAR
             side = 1.0 if u[0] < 0.5 else -1.0
@@ -109,6 +105,4 @@ def law(
             rule = HAMILTON
             reach = gap - parameters.offset_m if parameters.from_second else parameters.offset_m
             x, y = unit(positions[k, 0] + along_x * reach, positions[k, 1] + along_y * reach)
-    if x == 0.0 and y == 0.0:
-        return Motion(Kind.STOP, math.nan, math.nan, rule)
-    return Motion(Kind.WAY_POINT, x * parameters.step_m, y * parameters.step_m, rule)
+    return step(x, y, parameters.step_m, rule)

@@ -19,9 +19,11 @@ from __future__ import annotations
 import math
 from typing import Annotated, NamedTuple
 
+from flocking.laws._selfish_herd import NOBODY, UnitVectorM
 from flocking.parameters import Parameter
+from flocking.steps import step_along
 from flocking.taxonomy import Filled, Herd, Taxonomy, Validation
-from flocking.terms import count, unit
+from flocking.terms import count
 from flocking.types import Bools, Floats, Kind, Members, Motion, Obstacles, Own
 
 NEEDS = frozenset({"positions"})
@@ -30,7 +32,7 @@ SETS = {"neighbours": "all"}
 TAXONOMY = Taxonomy("homogeneous", "idealized", "discrete", "-", False, True, False, False)
 VALIDATION = Validation("S", True, "global", "-", "-", "bounded free")
 FILLED = (
-    Filled("motion computation", "what a member does that detects nobody", "it keeps its motion, as in section 2.1.2"),
+    NOBODY,
     Filled("motion computation", "a sum of zero, which has no direction", "the member stands still"),
     Filled("neighbour selection", "whether all members or those of the densest horizon count", "all, as table A.1"),
 )
@@ -41,17 +43,11 @@ CREATE = {"step_m": 0.33}
 class Parameters(NamedTuple):
     """Of the local crowded horizon as validated."""
 
-    step_m: Annotated[
-        float, Parameter("m", "Fine 2015, table A.1: a unit vector, one body-length", published=True, low=0.0)
-    ] = 1.0
+    step_m: UnitVectorM = 1.0
     nearness_per_m: Annotated[
         float,
         Parameter("1/m", "w1 of table A.1, no value there; 0.375 is what later literature quotes of it", low=0.0),
     ] = 0.375
-
-
-NEGLIGIBLE_M = 1e-12
-"""A sum of vectors shorter than this is zero but for rounding."""
 
 
 def law(
@@ -73,7 +69,4 @@ def law(
             weight = 1.0 / (1.0 + parameters.nearness_per_m * math.hypot(jx, jy))
             x += weight * jx
             y += weight * jy
-    if math.hypot(x, y) <= NEGLIGIBLE_M:
-        return Motion(Kind.STOP, math.nan, math.nan, 1)
-    x, y = unit(x, y)
-    return Motion(Kind.WAY_POINT, x * parameters.step_m, y * parameters.step_m, 1)
+    return step_along(x, y, parameters.step_m, 1)

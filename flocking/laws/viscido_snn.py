@@ -14,10 +14,10 @@ go on towards it until the next update.
 from __future__ import annotations
 
 import math
-from typing import Annotated, NamedTuple
+from typing import NamedTuple
 
 from flocking.geometry import NOT_FOUND, nearest
-from flocking.parameters import Parameter
+from flocking.laws._selfish_herd import NOBODY, RepulsionM, UnitVectorM
 from flocking.taxonomy import Filled, Herd, Taxonomy, Validation
 from flocking.types import Bools, Floats, Kind, Members, Motion, Obstacles, Own
 
@@ -27,7 +27,7 @@ SETS = {"nearest": "nearest"}
 TAXONOMY = Taxonomy("homogeneous", "idealized", "discrete", "-", False, True, False, False)
 VALIDATION = Validation("S", True, "global", "-", "-", "bounded free")
 FILLED = (
-    Filled("motion computation", "what a member does that detects nobody", "it keeps its motion, as in section 2.1.2"),
+    NOBODY,
     Filled("motion computation", "the repulsion distance", "two body-lengths, as in section 2.1.1"),
 )
 HERD = Herd(spacing_m=4.0, speed_m_s=1.0, dt_s=1.0, space="bounded")
@@ -37,12 +37,8 @@ CREATE = {"step_m": 0.33, "repulsion_m": 0.66}
 class Parameters(NamedTuple):
     """Of SNN as a step."""
 
-    step_m: Annotated[
-        float, Parameter("m", "Fine 2015, table A.1: a unit vector, one body-length", published=True, low=0.0)
-    ] = 1.0
-    repulsion_m: Annotated[
-        float, Parameter("m", "Fine 2015, section 2.1.1: two body-lengths", published=True, low=0.0)
-    ] = 2.0
+    step_m: UnitVectorM = 1.0
+    repulsion_m: RepulsionM = 2.0
 
 
 def law(

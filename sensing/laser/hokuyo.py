@@ -11,17 +11,16 @@ from __future__ import annotations
 import math
 from collections import deque
 from collections.abc import Sequence
-from typing import Annotated, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
-from scipy.special import ndtri
 
 from flocking.errors import InputError, unknown_name
 from flocking.parameters import Parameter
 from flocking.types import Floats, Ints
 from sensing.laser import planar, readings, scan, sweep
+from sensing.laser.draws import Draws
 from sensing.laser.slice import Slice, body_name, moving_body, owner_of, reference_pose, slice_at
 from sensing.types import Scan, ScanTruth
 
@@ -35,7 +34,7 @@ PERIOD_S = sweep.TURN_S
 SAME_HEIGHT_M = 1e-3
 """All lasers of a model scan the same plane, to within this."""
 
-MODES = ("ideal", "half-resolution", "strong-code")
+MODES = IDEAL, HALF_RESOLUTION, STRONG_CODE = ("ideal", "half-resolution", "strong-code")
 """In the order of `readings.IDEAL` and its siblings."""
 _SHEET = "URG-04LX-UG01 data sheet"
 
@@ -90,12 +89,12 @@ SETTINGS: dict[str, Parameters] = {
 }
 """Named settings of the laser."""
 
-NORMALS: NDArray[np.float32] = ndtri((np.arange(4096) + 0.5) / 4096).astype(np.float32)
-"""(4096,) equally likely normal deviates, the middles of as many quantiles: the greatest is 3.7, their standard
-deviation 0.9997. A deviate costs 12 random bits and no arithmetic, and the table fits the nearest cache."""
-_NO_DRAWS = np.full(BEAMS, 32768, dtype=np.uint16)
-_RAW_RANGE, _RAW_INTENSITY = BEAMS // 2, (BEAMS + 3) // 4
-"""Numbers of 64 bits drawn a scan: 32 bits a beam for range (noise, drop-out), 16 for intensity."""
+NO_INTENSITIES: Floats = np.full(BEAMS, math.nan)
+"""(682,) the intensities of every scan of which nobody reads them; not to be written to."""
+NO_INTENSITIES.flags.writeable = False
+_NO_NOISE = np.full(BEAMS, 32768, dtype=np.uint16)
+"""Draws of the middle of the noise's distribution, for intensities of which the laser itself makes use (code 18)."""
+_NOTHING = np.empty(0)
 
 
 class Lasers:
@@ -150,31 +149,54 @@ class Lasers:
         """(N, 3) x, y (m) and heading (rad) of each laser in its robot's root body."""
         self.needs_history = any(p.sweep for p in self.parameters)
         """True where some laser sweeps: then `remember` must be called after every physics step."""
-        rows = [list(self.slice.bodies).index(body) if body else -1 for body in bodies]
-        self._mount_frames = rows
-        self._mounts = [_mount_row(_planar_in(data, site, body)) for site, body in zip(ids, bodies, strict=True)]
-        self._settings = [_compiled_settings(p) for p in self.parameters]
-        self._settings_rows = [np.array(row, dtype=np.float64) for row in self._settings]
-        self._beams = planar.beam_directions()
-        frames = len(self.slice.bodies)
-        self._needs_kinematics = bool(np.any(self.slice.addresses < 0))
-        self._addresses = np.where(self.slice.addresses < 0, 0, self.slice.addresses)
+        frames, addresses = len(self.slice.bodies), self.slice.addresses
+        self._needs_kinematics = bool(np.any(addresses < 0))
+        self._frames = planar.Frames(
+            7 * self.slice.bodies if self._needs_kinematics else addresses, self.slice.levels_m, self.slice.height_m
+        )
         if self._needs_kinematics:
-            self._addresses = 7 * self.slice.bodies
             self._placed = mujoco.MjData(model)
-        self._poses = np.zeros((1, frames, 4))
-        self._lasers = np.zeros((1, 4))
-        self._sweep_poses = np.zeros((BEAMS if self.needs_history else 0, frames, 4))
-        self._sweep_lasers = np.zeros((len(self._sweep_poses), 4))
+        self._now = planar.Places(np.zeros((1, frames, 4)), np.zeros((1, 4)))
+        instants = BEAMS if self.needs_history else 0
+        self._sweep = planar.Places(np.zeros((instants, frames, 4)), np.zeros((instants, 4)))
         steps = math.ceil(sweep.SWEEP_S / model.opt.timestep) + 2
         self._history: deque[tuple[float, Floats]] = deque(maxlen=steps)
-        self._scratch = scan.Scratch(
-            np.empty(BEAMS),
-            np.empty(BEAMS, np.int64),
-            np.empty(BEAMS, np.int64),
-            np.empty(BEAMS),
-            np.empty(BEAMS),
+        self._surfaces, self._partners = np.empty((2, BEAMS), np.int64)
+        self._nearness, self._shares, self._returns, self._light, self._distances = np.empty((5, BEAMS))
+        rows = [list(self.slice.bodies).index(body) if body else -1 for body in bodies]
+        mounts = [_mount_row(_planar_in(data, site, body)) for site, body in zip(ids, bodies, strict=True)]
+        mountings = [planar.Mounting(*each) for each in zip(range(len(ids)), rows, mounts, strict=True)]
+        self._at_once = [self._fixed(mounting, self._now) for mounting in mountings]
+        self._own_way = [
+            self._fixed(mounting, self._sweep) if laser.sweep else at_once
+            for laser, mounting, at_once in zip(self.parameters, mountings, self._at_once, strict=True)
+        ]
+
+    def _fixed(self, mounting: planar.Mounting, places: planar.Places) -> tuple[Any, ...]:
+        """A laser's `scan.Fixed` as a plain tuple."""
+        parts = self.slice
+        fixed = scan.Fixed(
+            settings_row=_settings_row(self.parameters[mounting.own]),
+            own=mounting.own,
+            mount_frame=mounting.frame,
+            mount=mounting.pose,
+            addresses=self._frames.addresses,
+            levels_m=parts.levels_m,
+            height_m=parts.height_m,
+            outlines=parts.shapes,
+            rectangles=parts.rectangles,
+            frames=parts.frames,
+            owners=parts.owners,
+            materials=parts.materials,
+            poses=places.poses,
+            lasers=places.lasers,
+            nearness=self._nearness,
+            surfaces=self._surfaces,
+            partners=self._partners,
+            shares=self._shares,
+            returns=self._returns,
         )
+        return tuple(fixed)
 
     def remember(self, data: mujoco.MjData) -> None:
         """Keep where all bodies are now, for lasers that sweep; call it after every physics step."""
@@ -183,20 +205,14 @@ class Lasers:
                 self._history.pop()
             else:
                 self._history.clear()
-        self._place(data)
-        self._history.append((float(data.time), self._poses[0].copy()))
+        self._expect_level(planar.place(self._source(data), self._frames, self._now.poses[0]))
+        self._history.append((float(data.time), self._now.poses[0].copy()))
 
     def trace(self, data: mujoco.MjData, k: int) -> tuple[Floats, Ints]:
-        """The cast alone: 1/distance (B,) along laser k's beams now, 1/m, and the number (B,) of the surface hit,
-        −1 = none. Both arrays are written over by the next scan."""
-        parts, nearness, surfaces = self.slice, self._scratch.nearness, self._scratch.surfaces
-        fallen = scan.cast_now(
-            k, self._source(data), self._addresses, parts.levels_m, parts.height_m, self._mount_frames[k],
-            self._mounts[k], self._poses, self._lasers, *self._shapes(), self._beams, nearness, surfaces,
-        )  # fmt: skip
-        if fallen != planar.LEVEL:
-            raise self._fallen(fallen)
-        return nearness, surfaces
+        """The rays alone, all at once: 1/distance (B,) along laser k's beams now, 1/m, and the number (B,) of the
+        surface hit, −1 = none. Both arrays are written over by the next scan."""
+        self._expect_level(scan.cast(self._at_once[k], self._source(data)))
+        return self._nearness, self._surfaces
 
     def cast(self, data: mujoco.MjData, k: int) -> tuple[Floats, Ints]:
         """Exact distances (B,) along laser k's beams now, m, inf = nothing within 5.6 m, and the id (B,) of the geom
@@ -214,53 +230,41 @@ class Lasers:
         data: mujoco.MjData,
         k: int,
         time: float,
-        range_rng: np.random.Generator,
-        intensity_rng: np.random.Generator | None = None,
-        keep_truth: bool = True,
+        range_draws: Draws,
+        intensity_draws: Draws | None = None,
+        exact: bool = True,
     ) -> tuple[Scan, ScanTruth]:
-        """What laser k reports now, and what no robot can know of it (empty arrays unless `keep_truth`).
+        """What laser k reports now, and what no robot can know of it.
 
-        Positions are those in `data.qpos`. `time` is the scan's stamp; a sweep ends at `data.time`. Every scan takes
-        the same number of draws from the generators, whatever it sees. Intensities are nan without
-        `intensity_rng`.
+        Positions are those in `data.qpos`. `time` is the scan's stamp; a sweep ends at `data.time`. Without
+        `intensity_draws` the intensities are not read: all scans share one array of nan for them. Without `exact` the
+        exact ranges of the truth are left out. All other arrays are the caller's own.
         Raises InputError where a body leans or is lifted beyond the stated bounds.
         """
-        settings, parts = self._settings[k], self.slice
-        draws = range_rng.bit_generator.random_raw(_RAW_RANGE).view(np.uint16)
-        shines = intensity_rng is not None or settings.mode == readings.STRONG_CODE
-        light_draws = _NO_DRAWS
-        if intensity_rng is not None:
-            light_draws = intensity_rng.bit_generator.random_raw(_RAW_INTENSITY).view(np.uint16)
-        ranges, intensities, distances = np.empty((3, BEAMS))
-        owners, lit = np.empty(BEAMS, np.int64), np.zeros(len(self.roots), np.int64)
-        if self.parameters[k].sweep:
-            self.remember(data)
-            times = np.array([entry[0] for entry in self._history])
-            states = np.stack([entry[1] for entry in self._history])
-            sweep.poses_of_beams(times, states, float(data.time), self._sweep_poses)
-            poses, lasers, source, addresses = (
-                self._sweep_poses,
-                self._sweep_lasers,
-                _NOTHING,
-                self._addresses,
-            )
+        draws = range_draws.next_scan()
+        if intensity_draws is None:
+            light_draws, intensities = _NO_NOISE, self._light
         else:
-            poses, lasers, addresses = self._poses, self._lasers, self._addresses
-            source = self._source(data)
+            light_draws, intensities = intensity_draws.next_scan(), np.empty(BEAMS)
+        ranges, distances = np.empty(BEAMS), np.empty(BEAMS) if exact else self._distances
+        owners, lit = np.empty(BEAMS, np.int64), np.empty(len(self.roots), np.int64)
+        laser = self.parameters[k]
+        shines = intensity_draws is not None or laser.intensity_mode == STRONG_CODE
+        source = self._remembered(data) if laser.sweep else self._source(data)
         fallen = scan.scan(
-            self._settings_rows[k], k, shines, source, addresses, parts.levels_m, parts.height_m, self._mount_frames[k],
-            self._mounts[k], poses, lasers, *self._shapes(), parts.materials, self._beams, *self._scratch, NORMALS,
-            draws, light_draws, ranges, intensities, distances, owners, lit,
-        )  # fmt: skip
-        if fallen != planar.LEVEL:
-            raise self._fallen(fallen)
-        if intensity_rng is None:
-            intensities.fill(math.nan)
-        reading = Scan(time, ANGLES, ranges, intensities)
-        return reading, ScanTruth(owners, distances, lit) if keep_truth else _NO_TRUTH
+            self._own_way[k], source, shines, draws, light_draws, ranges, intensities, distances, owners, lit
+        )
+        self._expect_level(fallen)
+        reading = Scan(time, ANGLES, ranges, NO_INTENSITIES if intensity_draws is None else intensities)
+        return reading, ScanTruth(owners, distances if exact else _NOTHING, lit)
 
-    def _shapes(self) -> tuple[Floats, int, Ints, Ints]:
-        return self.slice.shapes, self.slice.rectangles, self.slice.frames, self.slice.owners
+    def _remembered(self, data: mujoco.MjData) -> Floats:
+        """Fills in where all bodies were at each instant of a sweep that ends now; the rays need no other source."""
+        self.remember(data)
+        times = np.array([entry[0] for entry in self._history])
+        states = np.stack([entry[1] for entry in self._history])
+        sweep.poses_of_beams(times, states, float(data.time), self._sweep.poses)
+        return _NOTHING
 
     def _source(self, data: mujoco.MjData) -> Floats:
         """Where positions and quaternions stand: qpos, which never lags; else those of all bodies."""
@@ -271,22 +275,15 @@ class Lasers:
         mujoco.mj_kinematics(self._model, placed)
         return np.concatenate([placed.xpos, placed.xquat], axis=1).ravel()
 
-    def _place(self, data: mujoco.MjData) -> None:
-        parts = self.slice
-        fallen = planar.place(self._source(data), self._addresses, parts.levels_m, parts.height_m, self._poses[0])
-        if fallen != planar.LEVEL:
-            raise self._fallen(fallen)
-
-    def _fallen(self, frame: int) -> InputError:
-        return InputError(
-            f"{body_name(self._model, int(self.slice.bodies[frame]))} leans by more than "
+    def _expect_level(self, fallen: int) -> None:
+        """Raises InputError for a frame that leans or is lifted; `LEVEL` = none."""
+        if fallen == planar.LEVEL:
+            return
+        raise InputError(
+            f"{body_name(self._model, int(self.slice.bodies[fallen]))} leans by more than "
             f"{math.degrees(planar.TILT_BOUND_RAD):g} degrees or stands more than {planar.LIFT_BOUND_M:g} m off its "
             "reference height: expected level motion on the floor, or use the rays of sensing.laser.reference"
         )
-
-
-_NOTHING = np.empty(0)
-_NO_TRUTH = ScanTruth(np.empty(0, np.int64), np.empty(0), np.empty(0, np.int64))
 
 
 def _site_id(model: mujoco.MjModel, name: str) -> int:
@@ -308,13 +305,15 @@ def _mount_row(mount: tuple[float, float, float]) -> Floats:
     return np.array([mount[0], mount[1], math.cos(mount[2]), math.sin(mount[2])])
 
 
-def _compiled_settings(parameters: Parameters) -> readings.Settings:
-    return readings.Settings(
-        noise_m=float(parameters.range_noise_m),
-        resolution_mm=float(parameters.resolution_mm),
+def _settings_row(parameters: Parameters) -> Floats:
+    """(7,) `readings.Settings`, as `readings.settings_of` takes it."""
+    settings = readings.Settings(
+        noise_m=parameters.range_noise_m,
+        resolution_mm=parameters.resolution_mm,
         half_footprint=parameters.footprint_rad / 2.0 / STEP_RAD,
-        dropout=float(parameters.dropout),
-        intensity_noise=float(parameters.intensity_noise),
+        dropout=parameters.dropout,
+        intensity_noise=parameters.intensity_noise,
         mode=MODES.index(parameters.intensity_mode),
-        strong_return=float(parameters.strong_return),
+        strong_return=parameters.strong_return,
     )
+    return np.array(settings, dtype=np.float64)

@@ -1,8 +1,8 @@
 """Rays of a laser against rectangles and discs in one plane, compiled.
 
-Each shape that can be seen touches only its own interval of beams. Distances are kept as their inverse: along a
-straight face that is linear in the beam's direction, so the inner loop has no division and the nearest surface is
-the greatest inverse.
+For each shape that can be seen, the beams between its two ends are known at once, and only they are compared with it.
+Distances are kept as their inverse: along a straight face it is linear in the beam's direction, so that the inner loop
+has no division, and the nearest surface is the one with the greatest inverse.
 
 A surface is numbered 4 p + side: side 0, 1, 2, 3 of rectangle p faces its +x, −x, +y, −y; a disc has side 0 only.
 A laser inside a shape is covered by it: distance 0 along every beam.
@@ -11,10 +11,11 @@ A laser inside a shape is covered by it: distance 0 along every beam.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
-from flocking.compilation import compiled
+from flocking.compilation import borrowing
 from flocking.types import Floats, Ints
 
 STEP_RAD = 2.0 * math.pi / 1024
@@ -37,19 +38,83 @@ _SLACK_BEAMS = 1e-9
 """Keeps a beam that meets the end of a face exactly."""
 
 
-def beam_directions() -> Floats:
-    """(2, B) cosine and sine of each beam's bearing in the laser's frame, in the order they are read."""
-    angles = (np.arange(BEAMS) + FIRST_STEP) * STEP_RAD
-    return np.stack([np.cos(angles), np.sin(angles)])
+_BEARINGS = (np.arange(BEAMS) + FIRST_STEP) * STEP_RAD
+COSINES: Floats = np.cos(_BEARINGS)
+SINES: Floats = np.sin(_BEARINGS)
+"""(B,) direction of each beam in the laser's frame, in the order in which they are read. Compiled in as constants."""
 
 
-@compiled
-def place(source: Floats, addresses: Ints, levels_m: Floats, height_m: float, poses: Floats) -> int:
-    """Where each frame stands, from positions and quaternions in `source` (7 numbers from each address).
+class Pose(NamedTuple):
+    """Of a laser: m, and cosine and sine of its heading."""
+
+    x: float
+    y: float
+    cosine: float
+    sine: float
+
+
+class Shapes(NamedTuple):
+    """What stands at the laser's height, P shapes, as compiled code takes it from a `Slice`; rectangles come first."""
+
+    outlines: Floats
+    """(P, 6) in the shape's frame, as `Slice.shapes`."""
+    rectangles: int
+    """How many of them are rectangles; the rest are discs."""
+    frames: Ints
+    """(P,) row of the moving frame that carries the shape; −1 = fixed in the world."""
+    owners: Ints
+    """(P,) the robot that the shape belongs to; −1 = none."""
+    materials: Floats
+    """(P, 2) diffuse albedo and retroreflective gain."""
+
+
+class Places(NamedTuple):
+    """Where all is while a scan is made: T = 1 where all beams are read at once, T = B where each has its instant."""
+
+    poses: Floats
+    """(T, F, 4) of the moving frames in the world: x, y (m), cosine and sine of the heading."""
+    lasers: Floats
+    """(T, 4) the same of the laser."""
+
+
+class Mounting(NamedTuple):
+    """Where a laser is mounted."""
+
+    own: int
+    """The robot that carries it, and is not seen by it."""
+    frame: int
+    """The moving frame that carries it; −1 = fixed in the world."""
+    pose: Floats
+    """(4,) x, y (m), cosine and sine of its heading in that frame."""
+
+
+class Frames(NamedTuple):
+    """Where the poses of the moving frames are found, and the plane that cuts them."""
+
+    addresses: Ints
+    """(F,) where in the source of poses a frame's seven numbers begin: position (m) and quaternion."""
+    levels_m: Floats
+    """(F,) height of the plane above the frame's origin in the model's reference pose."""
+    height_m: float
+    """Of the plane."""
+
+
+@borrowing
+def at_beam(places: Places, beam: int) -> tuple[Pose, Floats]:
+    """The laser's pose and those of the frames (F, 4) when a beam was read."""
+    t = beam if len(places.lasers) > 1 else 0
+    laser = places.lasers[t]
+    return Pose(laser[0], laser[1], laser[2], laser[3]), places.poses[t]
+
+
+@borrowing
+def place(source: Floats, frames: Frames, poses: Floats) -> int:
+    """Where each frame stands, from positions and quaternions in `source`.
 
     Fills `poses` (F, 4): x, y of the frame's axis where it meets the plane, cosine and sine of its heading.
     Returns the first frame that leans or is lifted beyond the bounds, −1 if none.
     """
+    addresses, levels_m, height_m = frames
     for f in range(len(addresses)):
         a = addresses[f]
         w, x, y, z = source[a + 3], source[a + 4], source[a + 5], source[a + 6]
@@ -69,13 +134,15 @@ def place(source: Floats, addresses: Ints, levels_m: Floats, height_m: float, po
     return LEVEL
 
 
-@compiled
-def laser_pose(poses: Floats, frame: int, mount: Floats) -> tuple[float, float, float, float]:
-    """x, y, cosine and sine of a laser's heading in the world; `mount` is the same in its frame."""
-    if frame < 0:
-        return mount[0], mount[1], mount[2], mount[3]
-    x, y, c, s = poses[frame, 0], poses[frame, 1], poses[frame, 2], poses[frame, 3]
-    return (
+@borrowing
+def laser_pose(poses: Floats, mounting: Mounting) -> Pose:
+    """A laser's pose in the world, where the frames stand at `poses` (F, 4)."""
+    mount = mounting.pose
+    if mounting.frame < 0:
+        return Pose(mount[0], mount[1], mount[2], mount[3])
+    frame = poses[mounting.frame]
+    x, y, c, s = frame[0], frame[1], frame[2], frame[3]
+    return Pose(
         x + c * mount[0] - s * mount[1],
         y + s * mount[0] + c * mount[1],
         c * mount[2] - s * mount[3],
@@ -83,11 +150,10 @@ def laser_pose(poses: Floats, frame: int, mount: Floats) -> tuple[float, float, 
     )
 
 
-@compiled
-def in_laser_frame(
-    shape: Floats, frame: int, poses: Floats, laser: tuple[float, float, float, float]
-) -> tuple[float, float, float, float]:
-    """Centre x, y and direction of the x axis of a shape in the laser's frame."""
+@borrowing
+def in_laser_frame(shapes: Shapes, p: int, poses: Floats, laser: Pose) -> tuple[float, float, float, float]:
+    """Centre x, y and direction of the x axis of shape p in the laser's frame."""
+    shape, frame = shapes.outlines[p], shapes.frames[p]
     x, y, ux, uy = shape[0], shape[1], shape[2], shape[3]
     if frame >= 0:
         fx, fy, fc, fs = poses[frame, 0], poses[frame, 1], poses[frame, 2], poses[frame, 3]
@@ -98,7 +164,7 @@ def in_laser_frame(
     return lc * x + ls * y, lc * y - ls * x, lc * ux + ls * uy, lc * uy - ls * ux
 
 
-@compiled
+@borrowing
 def face(side: int, ux: float, uy: float, a: float, b: float) -> tuple[float, float, float, float]:
     """Outward normal of one side of a rectangle, its distance from the centre, and half its length."""
     if side == 0:
@@ -110,7 +176,7 @@ def face(side: int, ux: float, uy: float, a: float, b: float) -> tuple[float, fl
     return uy, -ux, b, a
 
 
-@compiled
+@borrowing
 def _interval(first: float, last: float, turn: int) -> tuple[int, int]:
     """Beams between two bearings (in beams from beam 0), `turn` turns on; empty if the second is below the first."""
     low = math.ceil(first - turn * STEPS_A_TURN - _SLACK_BEAMS)
@@ -118,7 +184,7 @@ def _interval(first: float, last: float, turn: int) -> tuple[int, int]:
     return max(low, 0), min(high, BEAMS - 1)
 
 
-@compiled
+@borrowing
 def _see_disc(
     cx: float,
     cy: float,
@@ -140,7 +206,7 @@ def _see_disc(
         surfaces[i] = surface if nearer else surfaces[i]
 
 
-@compiled
+@borrowing
 def _see_face(
     kx: float, ky: float, surface: int, cosines: Floats, sines: Floats, nearness: Floats, surfaces: Ints
 ) -> None:
@@ -153,33 +219,22 @@ def _see_face(
         surfaces[i] = surface if nearer else surfaces[i]
 
 
-@compiled
+@borrowing
 def cast(
-    laser: tuple[float, float, float, float],
-    own: int,
-    max_range_m: float,
-    poses: Floats,
-    shapes: Floats,
-    rectangles: int,
-    frames: Ints,
-    owners: Ints,
-    beams: Floats,
-    nearness: Floats,
-    surfaces: Ints,
+    laser: Pose, own: int, max_range_m: float, poses: Floats, shapes: Shapes, nearness: Floats, surfaces: Ints
 ) -> None:
     """Fill `nearness` (B,), 1/distance to the nearest surface (1/m), and `surfaces` (B,), its number; −1 = none.
 
     Shapes whose owner is `own` are not seen. Nothing beyond `max_range_m` is seen.
     """
-    cosines, sines = beams[0], beams[1]
     nearness[:] = 1.0 / max_range_m
     surfaces[:] = -1
-    for p in range(len(shapes)):
-        if owners[p] == own and own >= 0:
+    for p in range(len(shapes.outlines)):
+        if shapes.owners[p] == own and own >= 0:
             continue
-        cx, cy, ux, uy = in_laser_frame(shapes[p], frames[p], poses, laser)
-        a, b = shapes[p, 4], shapes[p, 5]
-        if p >= rectangles:
+        cx, cy, ux, uy = in_laser_frame(shapes, p, poses, laser)
+        a, b = shapes.outlines[p, 4], shapes.outlines[p, 5]
+        if p >= shapes.rectangles:
             squared = cx * cx + cy * cy
             if squared <= a * a:
                 nearness[:] = math.inf
@@ -195,7 +250,7 @@ def cast(
                 low, high = _interval(middle - half, middle + half, turn)
                 if low <= high:
                     _see_disc(
-                        cx, cy, a, scale, 4 * p, cosines[low : high + 1], sines[low : high + 1],
+                        cx, cy, a, scale, 4 * p, COSINES[low : high + 1], SINES[low : high + 1],
                         nearness[low : high + 1], surfaces[low : high + 1],
                     )  # fmt: skip
             continue
@@ -222,33 +277,22 @@ def cast(
                 low, high = _interval(first, last, turn)
                 if low <= high:
                     _see_face(
-                        kx, ky, 4 * p + side, cosines[low : high + 1], sines[low : high + 1],
+                        kx, ky, 4 * p + side, COSINES[low : high + 1], SINES[low : high + 1],
                         nearness[low : high + 1], surfaces[low : high + 1],
                     )  # fmt: skip
 
 
-@compiled
-def cast_one(
-    i: int,
-    laser: tuple[float, float, float, float],
-    own: int,
-    max_range_m: float,
-    poses: Floats,
-    shapes: Floats,
-    rectangles: int,
-    frames: Ints,
-    owners: Ints,
-    beams: Floats,
-) -> tuple[float, int]:
+@borrowing
+def cast_one(i: int, laser: Pose, own: int, max_range_m: float, poses: Floats, shapes: Shapes) -> tuple[float, int]:
     """Beam i alone against every shape: 1/distance (1/m) and number of the nearest surface, −1 = none."""
-    ex, ey = beams[0, i], beams[1, i]
+    ex, ey = COSINES[i], SINES[i]
     nearest, surface = 1.0 / max_range_m, -1
-    for p in range(len(shapes)):
-        if owners[p] == own and own >= 0:
+    for p in range(len(shapes.outlines)):
+        if shapes.owners[p] == own and own >= 0:
             continue
-        cx, cy, ux, uy = in_laser_frame(shapes[p], frames[p], poses, laser)
-        a, b = shapes[p, 4], shapes[p, 5]
-        if p >= rectangles:
+        cx, cy, ux, uy = in_laser_frame(shapes, p, poses, laser)
+        a, b = shapes.outlines[p, 4], shapes.outlines[p, 5]
+        if p >= shapes.rectangles:
             squared = cx * cx + cy * cy
             if squared <= a * a:
                 return math.inf, 4 * p
@@ -278,26 +322,20 @@ def cast_one(
     return nearest, surface
 
 
-@compiled
-def slope(
-    surface: int,
-    laser: tuple[float, float, float, float],
-    poses: Floats,
-    shapes: Floats,
-    rectangles: int,
-    frames: Ints,
-) -> tuple[bool, float, float]:
+@borrowing
+def slope(surface: int, laser: Pose, poses: Floats, shapes: Shapes) -> tuple[bool, float, float]:
     """What `cosine_of_incidence` needs of a surface, in the laser's frame: is it a disc; then the centre divided by
     the radius, else the normal."""
     p = surface // 4
-    cx, cy, ux, uy = in_laser_frame(shapes[p], frames[p], poses, laser)
-    if p >= rectangles:
-        return True, cx / shapes[p, 4], cy / shapes[p, 4]
-    nx, ny, _, _ = face(surface % 4, ux, uy, shapes[p, 4], shapes[p, 5])
+    cx, cy, ux, uy = in_laser_frame(shapes, p, poses, laser)
+    if p >= shapes.rectangles:
+        radius = shapes.outlines[p, 4]
+        return True, cx / radius, cy / radius
+    nx, ny, _, _ = face(surface % 4, ux, uy, shapes.outlines[p, 4], shapes.outlines[p, 5])
     return False, nx, ny
 
 
-@compiled
+@borrowing
 def cosine_of_incidence(is_disc: bool, x: float, y: float, ex: float, ey: float) -> float:
     """Cosine of the angle between a beam with direction (ex, ey) and the normal of the surface where it meets it."""
     if is_disc:
@@ -306,24 +344,22 @@ def cosine_of_incidence(is_disc: bool, x: float, y: float, ex: float, ey: float)
     return abs(x * ex + y * ey)
 
 
-@compiled
+@borrowing
 def turn_to_end(
     surface: int,
     left: bool,
     ex: float,
     ey: float,
-    laser: tuple[float, float, float, float],
+    laser: Pose,
     poses: Floats,
-    shapes: Floats,
-    rectangles: int,
-    frames: Ints,
+    shapes: Shapes,
 ) -> float:
     """Angle (rad, counter-clockwise) from a beam with direction (ex, ey) to the left or right end of a surface."""
     p = surface // 4
-    cx, cy, ux, uy = in_laser_frame(shapes[p], frames[p], poses, laser)
-    a, b = shapes[p, 4], shapes[p, 5]
+    cx, cy, ux, uy = in_laser_frame(shapes, p, poses, laser)
+    a, b = shapes.outlines[p, 4], shapes.outlines[p, 5]
     hand = 1.0 if left else -1.0
-    if p >= rectangles:
+    if p >= shapes.rectangles:
         half = math.asin(min(a / math.sqrt(cx * cx + cy * cy), 1.0))
         return math.atan2(ex * cy - ey * cx, ex * cx + ey * cy) + hand * half
     nx, ny, out, length = face(surface % 4, ux, uy, a, b)
@@ -331,22 +367,20 @@ def turn_to_end(
     return math.atan2(ex * y - ey * x, ex * x + ey * y)
 
 
-@compiled
+@borrowing
 def away(
     surface: int,
     x: float,
     y: float,
-    laser: tuple[float, float, float, float],
+    laser: Pose,
     poses: Floats,
-    shapes: Floats,
-    rectangles: int,
-    frames: Ints,
+    shapes: Shapes,
 ) -> float:
     """Distance of the point (x, y) in the laser's frame from a surface, m."""
     p = surface // 4
-    cx, cy, ux, uy = in_laser_frame(shapes[p], frames[p], poses, laser)
-    a, b = shapes[p, 4], shapes[p, 5]
-    if p >= rectangles:
+    cx, cy, ux, uy = in_laser_frame(shapes, p, poses, laser)
+    a, b = shapes.outlines[p, 4], shapes.outlines[p, 5]
+    if p >= shapes.rectangles:
         return abs(math.hypot(x - cx, y - cy) - a)
     nx, ny, out, length = face(surface % 4, ux, uy, a, b)
     x, y = x - cx - out * nx, y - cy - out * ny

@@ -24,7 +24,7 @@ DISTANT_M = 0.01
 
 
 class Rays:
-    """Lasers through `mj_multiRay`, in the true (leaning) plane of each; same arguments as `laser.Lasers`.
+    """Lasers through `mj_multiRay`, in the true (leaning) plane of each; same arguments as `hokuyo.Lasers`.
 
     `bodyexclude` of MuJoCo takes out one body only, so a robot's own wheels would still be hit: instead all geoms
     beneath its root change into a group of geoms that the rays ignore, for the duration of a cast. One thread only.

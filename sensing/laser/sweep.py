@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 
-from flocking.compilation import compiled
+from flocking.compilation import borrowing
 from flocking.types import Floats, Ints
-from sensing.laser.planar import BEAMS, STEPS_A_TURN, cast_one, laser_pose
+from sensing.laser.planar import BEAMS, STEPS_A_TURN, Mounting, Places, Shapes, cast_one, laser_pose
 
 TURN_S = 0.1
 """P: the motor turns once in 100 ms (10 Hz)."""
@@ -15,7 +15,7 @@ BEAM_S = TURN_S / STEPS_A_TURN
 SWEEP_S = (BEAMS - 1) * BEAM_S
 
 
-@compiled
+@borrowing
 def poses_of_beams(times: Floats, states: Floats, end: float, poses: Floats) -> None:
     """Fill `poses` (B, F, 4): where each frame stood when each beam was read, the last one at `end`.
 
@@ -40,26 +40,13 @@ def poses_of_beams(times: Floats, states: Floats, end: float, poses: Floats) -> 
             poses[i, f, 3] /= length
 
 
-@compiled
+@borrowing
 def cast_sweep(
-    mount_frame: int,
-    mount: Floats,
-    own: int,
-    max_range_m: float,
-    poses: Floats,
-    shapes: Floats,
-    rectangles: int,
-    frames: Ints,
-    owners: Ints,
-    beams: Floats,
-    lasers: Floats,
-    nearness: Floats,
-    surfaces: Ints,
+    mounting: Mounting, max_range_m: float, places: Places, shapes: Shapes, nearness: Floats, surfaces: Ints
 ) -> None:
-    """As `planar.cast`, with `poses` (B, F, 4) for each beam; fills `lasers` (B, 4), the laser's poses, as well."""
+    """As `planar.cast`, each beam at its own instant: `places` holds the frames' poses, the laser's are filled in."""
     for i in range(BEAMS):
-        laser = laser_pose(poses[i], mount_frame, mount)
-        lasers[i, 0], lasers[i, 1], lasers[i, 2], lasers[i, 3] = laser
-        nearness[i], surfaces[i] = cast_one(
-            i, laser, own, max_range_m, poses[i], shapes, rectangles, frames, owners, beams
-        )
+        laser = laser_pose(places.poses[i], mounting)
+        row = places.lasers[i]
+        row[0], row[1], row[2], row[3] = laser.x, laser.y, laser.cosine, laser.sine
+        nearness[i], surfaces[i] = cast_one(i, laser, mounting.own, max_range_m, places.poses[i], shapes)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 import os
 import signal
@@ -15,20 +16,17 @@ import numpy as np
 from trials.batch.store import StorageError
 from trials.batch.worker import WorkerOutput
 from trials.simulations import watch
-from trials.types import Group, Trial
+from trials.simulations.robots import fields
+from trials.types import Trial
 
 
 def trial(index: int, act: str = "succeed", seconds: float = 0.0, seed: int = 1) -> Trial:
     """A trial that does as told."""
-    return Trial(
-        experiment="fake",
+    base = fields.trial("fake", 1 + index % 3, [fields.group(count=1)], duration_s=1.0)
+    return dataclasses.replace(
+        base,
         index=index,
         seed=seed,
-        repeat=1 + index % 3,
-        world="corridor",
-        formation="single-group",
-        duration_s=1.0,
-        groups=(Group(count=1),),
         conditions={"act": act, "seconds": seconds},
     )
 

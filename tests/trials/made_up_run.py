@@ -3,6 +3,7 @@ reports."""
 
 from __future__ import annotations
 
+import dataclasses
 import itertools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -11,7 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from trials.types import Group, Trial, TrialResult
+from trials.simulations.robots import fields
+from trials.types import Trial, TrialResult
 
 PIPELINES = ("member-based", "member-extrapolated", "sensor-based")
 EXCLUSIONS = (0.0, 0.5, 1.0)
@@ -79,15 +81,14 @@ def made_up_run(
         conditions = {**arm, "herd.pipeline": pipeline, "herd.law.exclusion_m": exclusion}
         index = len(trials) + 1
         trials.append(
-            Trial(
-                experiment=experiment,
+            dataclasses.replace(
+                fields.trial(
+                    experiment,
+                    repeat,
+                    [fields.group(pipeline=pipeline, law_parameters={"exclusion_m": exclusion})],
+                    duration_s=60.0,
+                ),
                 index=index,
-                seed=1,
-                repeat=repeat,
-                world="corridor",
-                formation="single-group",
-                duration_s=60.0,
-                groups=(Group(pipeline=pipeline, law_parameters={"exclusion_m": exclusion}),),
                 conditions=conditions,
             )
         )

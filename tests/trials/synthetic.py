@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 
 from flocking.types import Floats, Kind
-from trials.types import Contacts, Group, Scans, Trial, TrialResult, Updates
+from trials.simulations.robots import fields
+from trials.types import Contacts, Scans, TrialResult, Updates
 
 RULES = ("none", "snn", "hamilton", "perpendicular")
 RADIUS = 0.165
@@ -39,15 +42,15 @@ def synthetic_result(
     everyone = _interpolated(times, poses_w, update_times)
     kept = _scans(rng, update_times, update_robots, everyone, scans)
     bumpers = rng.random((len(times), robots, 2)) < 0.005
-    trial = Trial(
-        experiment="detection-case-study",
+    trial = dataclasses.replace(
+        fields.trial(
+            "detection-case-study",
+            repeat,
+            [fields.group(count=robots, pipeline=pipeline)],
+            duration_s=float(seconds),
+        ),
         index=index,
         seed=seed,
-        repeat=repeat,
-        world="corridor",
-        formation="cluster",
-        duration_s=float(seconds),
-        groups=(Group(count=robots, pipeline=pipeline),),
         conditions={"herd.pipeline": pipeline, "herd.law.exclusion_m": exclusion_m},
     )
     return TrialResult(
@@ -60,6 +63,7 @@ def synthetic_result(
         radii=np.full(robots, RADIUS),
         rules=(RULES,) * robots,
         walls_w=WALLS_W,
+        period_m=np.nan,
         updates=_updates(rng, update_times, update_robots, everyone, pipeline),
         contacts=_contacts(rng, times, poses_w),
         scans=kept,

@@ -24,10 +24,11 @@ from typing import Protocol
 from pebble import ProcessExpired, ProcessPool
 
 from flocking.errors import InputError
+from trials import simulations
 from trials.batch import worker
 from trials.batch.store import DIED, Row, StorageError, Store
 from trials.batch.worker import Job, WorkerOutput
-from trials.simulations import is_kinematic, watch
+from trials.simulations import watch
 from trials.types import Group, Trial
 
 AHEAD = 2
@@ -72,7 +73,7 @@ def run_batch(
     scans: str = "some",
     recorded: frozenset[int] = frozenset(),
     run: Job = worker.run_packed,
-    imports: Callable[[], None] | None = worker.imports,
+    imports: Callable[[], None] | None = None,
     warm_up: Sequence[Trial] = (),
     limit_s: Callable[[Trial], float] = worker.limit_s,
     law_limit_s: float = watch.STEP_LIMIT_S,
@@ -178,9 +179,7 @@ def _hung(trial: Trial, law_limit_s: float, turn: tuple[int, int] | None) -> str
         return f"{_laws(trial.groups)} {late}"
     step, member = turn
     group, number = [(group, k + 1) for group in trial.groups for k in range(group.count)][member]
-    if is_kinematic(trial):
-        return f"{_laws([group])} {late} for member {member + 1} at step {step + 1}"
-    return f"{_laws([group])} {late} for {group.name}-{number} at {step * trial.timestep_s:.2f} s"
+    return f"{_laws([group])} {late} for {group.name}-{number} {simulations.of(trial).at_step(trial, step)}"
 
 
 def _laws(groups: Sequence[Group]) -> str:

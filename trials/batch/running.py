@@ -6,7 +6,7 @@ import shlex
 import signal
 import sys
 import traceback
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path
@@ -14,17 +14,20 @@ from time import monotonic
 from typing import Any
 
 from flocking.errors import InputError
+from flocking.lawentry import is_path
 from trials import simulations
 from trials.batch import machine, progress, store, worker
 from trials.batch.batch import run_batch
 from trials.batch.store import Row, Store
-from trials.commands import options
 from trials.design import DEFAULT_SEED, Plan, load, plan
+from trials.keys import AVOIDS
 from trials.simulations import watch
 from trials.types import Trial
 
 SHOWN_FAILURES = 10
 """Failed trials that the closing words list."""
+Report = Callable[[Path], str]
+"""Makes the report of a run's folder and returns its table."""
 RECORD, SCANS = ("all", "first", "none"), ("some", "all")
 
 
@@ -41,7 +44,8 @@ class Asked:
     law: str | None = None
     pipeline: str | None = None
     body: str | None = None
-    only: str | None = None
+    only: tuple[int, ...] | None = None
+    """Trials from 1, in order; None: all."""
     record: str | None = None
     """None: as the experiment says."""
     scans: str = "some"
@@ -64,11 +68,10 @@ class Asked:
 
 
 def planned(asked: Asked) -> tuple[Plan, list[Trial]]:
-    """The plan, and those of its trials that are asked for. Users' laws are tried out first.
+    """The plan, and those of its trials that are asked for.
 
     Raises `InputError` for anything that does not exist or fit.
     """
-    check_laws(asked)
     made = plan(
         asked.experiment,
         repeats=asked.repeats,
@@ -79,14 +82,15 @@ def planned(asked: Asked) -> tuple[Plan, list[Trial]]:
         pipeline=asked.pipeline,
         body=asked.body,
     )
-    if asked.scans == "all" and all(map(simulations.is_kinematic, made.trials)):
+    if asked.scans == "all" and not any(simulations.of(trial).has_scans for trial in made.trials):
         raise InputError(f"--scans all: {made.experiment} has no lasers; expected an experiment on robots")
     for trial in made.trials:
         simulations.check(trial)
     if asked.only is None:
         return made, made.trials
-    wanted = options.only(asked.only, len(made.trials))
-    return made, [made.trials[index - 1] for index in wanted]
+    if not 1 <= asked.only[0] <= asked.only[-1] <= len(made.trials):
+        raise InputError(f"--only {ranges(asked.only)!r}: expected trials from 1 to {len(made.trials)}")
+    return made, [made.trials[index - 1] for index in asked.only]
 
 
 def record_of(experiment: str) -> str:
@@ -94,21 +98,16 @@ def record_of(experiment: str) -> str:
     return str(getattr(load(experiment), "RECORD", "all"))
 
 
-def check_laws(asked: Asked) -> None:
-    """Tries out each law that is a file of the user's own, in a process that can be stopped."""
-    from flocking.lawentry import is_path
-    from trials.commands.lawcheck import check
-    from trials.simulations import AVOIDS
-
+def users_laws(asked: Asked) -> list[str]:
+    """The paths of the users' law files that are asked for."""
     swept = {**{key: [value] for key, value in asked.settings.items()}, **asked.sweep}
     laws = [asked.law, *(value for key, values in swept.items() if key.endswith(".law") for value in values)]
     names = [law.removesuffix(AVOIDS) for law in laws if isinstance(law, str)]
-    for name in dict.fromkeys(filter(is_path, names)):
-        check(name)
+    return list(dict.fromkeys(filter(is_path, names)))
 
 
-def start(asked: Asked, out: Path | None, jobs: int) -> int:
-    """Runs what is asked for into a new folder; returns the exit code."""
+def start(asked: Asked, out: Path | None, jobs: int, report: Report) -> int:
+    """Runs what is asked for into a new folder and reports; returns the exit code."""
     made, chosen = planned(asked)
     for note in made.notes:
         print(f"note: {note}", file=sys.stderr)
@@ -127,7 +126,7 @@ def start(asked: Asked, out: Path | None, jobs: int) -> int:
         "law": asked.law,
         "pipeline": asked.pipeline,
         "body": asked.body,
-        "only": asked.only,
+        "only": ranges(asked.only) if asked.only is not None else None,
         "record": asked.record or record_of(asked.experiment),
         "scans": asked.scans,
         "started": datetime.now(UTC).isoformat(timespec="seconds"),
@@ -137,12 +136,12 @@ def start(asked: Asked, out: Path | None, jobs: int) -> int:
     kept = store.create(folder, run, users_files(chosen))
     try:
         with store.alone(folder):
-            return _go(kept, jobs)
+            return _go(kept, jobs, report)
     finally:
         kept.close()
 
 
-def resume(folder: Path, jobs: int) -> int:
+def resume(folder: Path, jobs: int, report: Report) -> int:
     """Runs the trials of a run that have not ended yet; returns the exit code.
 
     A trial that failed has ended: the table is the same as if the run had not been interrupted. One that lost its
@@ -157,7 +156,7 @@ def resume(folder: Path, jobs: int) -> int:
                     f"note: changed since this run began: {'; '.join(changed)}; results may differ in their last bits",
                     file=sys.stderr,
                 )
-            return _go(kept, jobs)
+            return _go(kept, jobs, report)
     finally:
         kept.close()
 
@@ -171,7 +170,7 @@ def debug(asked: Asked) -> int:
 
     from trials.batch.worker import run_packed
 
-    if asked.only is None or not asked.only.strip().isdigit():
+    if asked.only is None or len(asked.only) != 1:
         raise InputError("--debug runs one trial in this process: say which, as in --only 5 --debug")
     _, (trial,) = planned(asked)
     faulthandler.enable()
@@ -180,7 +179,7 @@ def debug(asked: Asked) -> int:
     print(f"trial {trial.index}: seed {trial.seed}, repeat {trial.repeat}, {conditions(trial)}", flush=True)
     try:
         output = run_packed(trial.as_dict(), asked.scans, (asked.record or record_of(asked.experiment)) != "none")
-        if output.status != "done":  # the loop made it a failed result; once more without the net
+        if output.status != "done":  # the loop made it a failed result; once more, to see where
             simulations.run_trial(trial, reraise=True)
     except Exception:
         traceback.print_exc()
@@ -213,12 +212,28 @@ def kinds(trials: Sequence[Trial]) -> list[Trial]:
     """One trial for each set of code that takes part, so that all of it can be compiled beforehand."""
     found: dict[Any, Trial] = {}
     for trial in trials:
-        code = tuple((g.body, g.pipeline, g.selection, g.law, g.law_source, g.sensors) for g in trial.groups)
+        code = tuple((g.pipeline, g.selection, g.law, g.law_source, _names_in(g.setup)) for g in trial.groups)
         found.setdefault(code, trial)
     return list(found.values())
 
 
-def _go(kept: Store, jobs: int) -> int:
+def _names_in(setup: Mapping[str, Any]) -> tuple[tuple[str, str], ...]:
+    """What of a setup is text: the names of bodies, of settings and of ways to sense."""
+    return tuple(sorted((key, value) for key, value in setup.items() if isinstance(value, str)))
+
+
+def ranges(indices: Sequence[int], between: str = ",") -> str:
+    """Whole numbers in short: 1-4,9."""
+    parts: list[list[int]] = []
+    for index in sorted(indices):
+        if parts and index == parts[-1][1] + 1:
+            parts[-1][1] = index
+        else:
+            parts.append([index, index])
+    return between.join(str(a) if a == b else f"{a}-{b}" for a, b in parts)
+
+
+def _go(kept: Store, jobs: int, report: Report) -> int:
     """Runs the trials that have no row yet, or lost their worker to an accident."""
     trials = kept.trials
     record, scans = kept.run.get("record"), kept.run.get("scans")
@@ -254,14 +269,12 @@ def _go(kept: Store, jobs: int) -> int:
             file=sys.stderr,
         )
         return 128 + stopped
-    _close(kept, rows, new, monotonic() - started)
+    _close(kept, rows, new, monotonic() - started, report)
     return 1 if any(row.status != "done" for row in rows) else 0
 
 
-def _close(kept: Store, rows: Sequence[Row], new: int, seconds: float) -> None:
+def _close(kept: Store, rows: Sequence[Row], new: int, seconds: float, report: Report) -> None:
     """The report's table and the closing words, which stand even if there is no making a report."""
-    from trials.reports.report import report
-
     try:
         print(report(kept.folder))
     finally:

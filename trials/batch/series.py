@@ -19,13 +19,13 @@ import numpy as np
 from flocking.errors import InputError
 from trials.types import Contacts, Trial, TrialResult, Updates
 
-FORMAT = 1
+FORMAT = 2
 HEAD = "result.json"
 """The entry of the zip that holds the trial and everything that is no array."""
 
 _LEFT_OUT = ("scans", "timing")
 _PARTS = {"updates": Updates, "contacts": Contacts}
-_TEXTS = ("robot_names", "rules", "measures", "outcome", "reason")
+_TEXTS = ("robot_names", "rules", "measures", "outcome", "reason", "period_m")
 _ARRAYS = tuple(
     f.name for f in dataclasses.fields(TrialResult) if f.name not in (*_LEFT_OUT, *_PARTS, *_TEXTS, "trial")
 )
@@ -38,7 +38,7 @@ def pack(result: TrialResult) -> bytes:
     """The result, without scans and timing, as the bytes of an .npz file that `numpy.load` reads as well."""
     head = {"format": FORMAT, "trial": result.trial.as_dict()}
     head |= {name: getattr(result, name) for name in _TEXTS}
-    head["measures"] = plain(result.measures)
+    head["measures"], head["period_m"] = plain(result.measures), _plain(result.period_m)
     out = io.BytesIO()
     with zipfile.ZipFile(out, "w") as archive:
         _add(archive, HEAD, json.dumps(head, ensure_ascii=False).encode())
@@ -78,6 +78,7 @@ def unpack(data: bytes) -> TrialResult:
             measures=numbers(head["measures"]),
             outcome=head["outcome"],
             reason=head["reason"],
+            period_m=_number(head.get("period_m")),
             timing={},
         )
     except InputError:
@@ -93,13 +94,17 @@ def plain(measures: Mapping[str, float]) -> dict[str, float | str | None]:
 
 def numbers(measures: Mapping[str, Any]) -> dict[str, float]:
     """The inverse of `plain`."""
-    return {name: float("nan") if value is None else float(value) for name, value in measures.items()}
+    return {name: _number(value) for name, value in measures.items()}
 
 
 def _plain(value: float) -> float | str | None:
     if np.isnan(value):
         return None
     return value if np.isfinite(value) else str(value)
+
+
+def _number(value: Any) -> float:
+    return float("nan") if value is None else float(value)
 
 
 def _arrays(result: TrialResult) -> Iterator[tuple[str, Any]]:

@@ -27,7 +27,7 @@ from typing import Any
 from flocking.errors import InputError
 from trials.types import Trial, TrialResult
 
-FORMAT = 1
+FORMAT = 2
 """Of run.json and of the tables (`PRAGMA user_version`)."""
 RUN, RESULTS, SERIES, RECORDINGS, CODE = "run.json", "results.sqlite", "series", "recordings", "code"
 _TABLES = """
@@ -307,7 +307,7 @@ def _read_run(folder: Path) -> dict[str, Any]:
         run = json.loads(data)
         version = run["format"]
         if version != FORMAT:
-            raise InputError(f"{path} has format {version!r}: this version reads {FORMAT}")
+            raise InputError(_of_another_version(path, run, version))
         for trial in run["trials"]:
             Trial.from_dict(trial)
         return {**run, "experiment": str(run["experiment"])}
@@ -315,6 +315,17 @@ def _read_run(folder: Path) -> dict[str, Any]:
         raise
     except (ValueError, TypeError, KeyError, AttributeError) as error:
         raise InputError(f"{path} is damaged ({type(error).__name__}: {error}); nothing was changed") from error
+
+
+def _of_another_version(path: Path, run: Mapping[str, Any], version: object) -> str:
+    versions = run.get("versions")
+    made = str(versions.get("create-herd", "")) if isinstance(versions, Mapping) else ""
+    commit = str(run.get("commit", ""))[:12].rstrip("+")
+    who = f"create-herd {made}" if made else "another version"
+    return (
+        f"{path} has format {version!r} and this version reads {FORMAT}: report and resume it with {who}"
+        f"{f', commit {commit}' if commit else ''}"
+    )
 
 
 def _run_text(run: Mapping[str, Any]) -> str:

@@ -11,12 +11,14 @@ import tempfile
 import traceback
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from time import perf_counter
 from typing import Any
 
+from trials import simulations
 from trials.batch.store import StorageError
-from trials.simulations import PHYSICS, is_kinematic, watch
+from trials.simulations import watch
 from trials.types import Trial, TrialResult
 
 ONE_THREAD = {
@@ -28,10 +30,6 @@ ONE_THREAD = {
 }
 """Environment in which each worker computes with one thread: the workers share the cores among themselves."""
 
-WARM_UP_S = 1.0
-"""Simulated time of the trials that fill the compiled cache: every robot senses and acts a few times."""
-WARM_UP_STEPS = 2
-"""Likewise of a kinematic trial."""
 _PR_SET_PDEATHSIG = 1
 """From linux/prctl.h."""
 
@@ -70,17 +68,17 @@ def prepare(fill: Callable[[], None] | None, law_limit_s: float, turns: Path) ->
             return
 
 
-def imports() -> None:
-    """Imports all that a physical trial needs."""
-
-
-def kinematic_imports() -> None:
-    """Imports all that a kinematic trial needs: neither MuJoCo nor Rerun."""
-
-
 def imports_of(trials: Sequence[Trial]) -> Callable[[], None]:
-    """What fills a worker for these trials."""
-    return kinematic_imports if all(map(is_kinematic, trials)) else imports
+    """What a worker imports before it runs these trials."""
+    return partial(prepared_for, sorted({trial.simulation for trial in trials}))
+
+
+def prepared_for(names: Sequence[str]) -> None:
+    """Imports all that trials of these simulations need."""
+    import trials.batch.series  # noqa: F401
+
+    for name in names:
+        simulations.named(name).prepare()
 
 
 def attempt(run: Job, trial: dict[str, Any], scans: str, record: bool) -> WorkerOutput:
@@ -114,14 +112,8 @@ def run_packed(trial: dict[str, Any], scans: str, record: bool) -> WorkerOutput:
 
 def warm_up(trial: dict[str, Any], run: Job) -> None:
     """Fills the compiled cache: a moment of the trial. What fails here will say so in its trial."""
-    attempt(run, moment(trial), "none", False)
-
-
-def moment(trial: dict[str, Any]) -> dict[str, Any]:
-    """The first moment of a trial, for whatever wants it run quickly."""
-    if trial.get("simulation", PHYSICS) == PHYSICS:
-        return {**trial, "duration_s": min(WARM_UP_S, trial["duration_s"])}
-    return {**trial, "kinematics": {**trial["kinematics"], "steps": WARM_UP_STEPS, "every": 1}}
+    whole = Trial.from_dict(trial)
+    attempt(run, simulations.of(whole).moment(whole).as_dict(), "none", False)
 
 
 def told(error: BaseException) -> str:
@@ -153,13 +145,8 @@ def _recorded(result: TrialResult) -> bytes:
 
 
 def limit_s(trial: Trial) -> float:
-    """Wall time (s) after which a trial counts as hung: some hundred times what it takes."""
-    robots = sum(group.count for group in trial.groups)
-    if is_kinematic(trial):
-        from trials.simulations.kinematic.fields import of_trial
-
-        return 60.0 + of_trial(trial).steps * robots * (1e-4 + 1e-7 * robots)
-    return 60.0 + trial.duration_s * (1.0 + robots / 10.0)
+    """Wall time (s) after which a trial counts as hung."""
+    return simulations.of(trial).limit_s(trial)
 
 
 def cores() -> int:

@@ -27,10 +27,11 @@ from flocking.types import Floats
 from robots import body as bodies
 from trials.commands import bench_kinematic
 from trials.design import plan
+from trials.simulations.robots.fields import of_trial
 from trials.simulations.robots.herd import Herd, assemble
 from trials.simulations.robots.log import Log
 from trials.simulations.robots.loop import run, run_trial
-from trials.types import Group, Trial
+from trials.types import Trial
 
 REPEATS = 5
 """Runs of each figure, after one that is not counted."""
@@ -203,7 +204,9 @@ def growth() -> list[Figure]:
     costs: dict[int, tuple[float, ...]] = {}
     for count in GROUP_SIZES:
         trial = herd_of(count, seconds=max(2.0, SECONDS * 6 / count))
-        costs[count] = _repeated(lambda trial=trial, count=count: _loop_seconds(trial) / trial.duration_s / count * 1e3)
+        costs[count] = _repeated(
+            lambda trial=trial, count=count: _loop_seconds(trial) / of_trial(trial).duration_s / count * 1e3
+        )
     figures = [
         Figure(f"cost at {count} robots", "ms a robot second", runs, math.nan, at_least=False)
         for count, runs in costs.items()
@@ -322,8 +325,16 @@ def herd_of(count: int, seconds: float = SECONDS) -> Trial:
     trial = plan("detection-case-study", repeats=1).trials[1]
     length = 2.0 * math.ceil(count + 0.5 * seconds + 10.0)
     return dataclasses.replace(
-        trial, duration_s=seconds, groups=(Group(count=count),), world_parameters={"length_m": length}
+        trial,
+        setup={**trial.setup, "duration_s": seconds},
+        groups=(dataclasses.replace(trial.groups[0], count=count),),
+        world_parameters={"length_m": length},
     )
+
+
+def _last_tick(trial: Trial) -> int:
+    given = of_trial(trial)
+    return round(given.duration_s / given.timestep_s)
 
 
 def _loop_seconds(trial: Trial) -> float:
@@ -331,7 +342,7 @@ def _loop_seconds(trial: Trial) -> float:
     herd = assemble(trial, record=False)
     log = Log(trial, len(herd.robots), "none")
     started = perf_counter()
-    run(herd, log, last=round(trial.duration_s / trial.timestep_s))
+    run(herd, log, last=_last_tick(trial))
     return perf_counter() - started
 
 
@@ -340,7 +351,7 @@ def _with_controls(trial: Trial) -> tuple[Herd, Floats]:
     herd = assemble(trial, record=False)
     controls: list[Floats] = []
     herd.world.observers.append(lambda data: controls.append(data.ctrl.copy()))
-    run(herd, Log(trial, len(herd.robots), "none"), last=round(trial.duration_s / trial.timestep_s))
+    run(herd, Log(trial, len(herd.robots), "none"), last=_last_tick(trial))
     return herd, np.array(controls)
 
 

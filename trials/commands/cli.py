@@ -104,11 +104,12 @@ def show(
     Every parameter with its unit and source, published or chosen, and the trials that it will run.
     """
     from trials.batch.running import Asked, planned
-    from trials.commands import listing, options
+    from trials.commands import lawcheck, listing, options
 
     asked = Asked(
         experiment, repeats, seed, options.settings(settings or []), options.sweeps(sweep or []), law, pipeline, body
     )
+    lawcheck.check_all(asked)
     print(listing.planned(*planned(asked)))
 
 
@@ -142,7 +143,7 @@ def run(
     The exit code is 1 if a trial failed.
     """
     from trials.batch import running
-    from trials.commands import listing, options
+    from trials.commands import lawcheck, listing, options
 
     asked = running.Asked(
         experiment,
@@ -153,16 +154,17 @@ def run(
         law,
         pipeline,
         body,
-        only,
+        options.only(only) if only is not None else None,
         record,
         scans,
     )
+    lawcheck.check_all(asked)
     if dry_run:
         print(listing.planned(*running.planned(asked)))
         return 0
     if debug:
         return running.debug(asked)
-    return running.start(asked, out, jobs or _cores())
+    return running.start(asked, out, jobs or _cores(), _report)
 
 
 @app.command()
@@ -170,7 +172,7 @@ def resume(folder: Run = None, jobs: Jobs = None) -> int:
     """Finishes an interrupted run."""
     from trials.batch import running
 
-    return running.resume(_run_folder(folder), jobs or _cores())
+    return running.resume(_run_folder(folder), jobs or _cores(), _report)
 
 
 @app.command()
@@ -181,9 +183,7 @@ def report(
 
     A table here, figures and one HTML page in the run's folder.
     """
-    from trials.reports.report import report
-
-    print(report(_run_folder(folder), as_json=json))
+    print(_report(_run_folder(folder), as_json=json))
 
 
 @app.command()
@@ -211,17 +211,20 @@ def world(
 
     The compiled world with its robots at their start; it loads in any MuJoCo viewer.
     """
+    from trials import simulations
     from trials.batch.running import Asked, planned
     from trials.batch.store import write_whole
-    from trials.commands import options
-    from trials.simulations import is_kinematic
+    from trials.commands import lawcheck, options
 
-    made, _ = planned(Asked(experiment, repeats=repeat, settings=options.settings(settings or [])))
+    asked = Asked(experiment, repeats=repeat, settings=options.settings(settings or []))
+    lawcheck.check_all(asked)
+    made, _ = planned(asked)
     chosen = next(trial for trial in made.trials if trial.repeat == repeat)
-    if is_kinematic(chosen):
-        raise InputError(f"experiment {experiment!r} is kinematic: it has no world for MuJoCo; see it with herd play")
-    from trials.simulations.robots.worldfile import world_xml
-
+    world_xml = simulations.of(chosen).world_xml
+    if world_xml is None:
+        raise InputError(
+            f"experiment {experiment!r} is {chosen.simulation}: it has no world for MuJoCo; see it with herd play"
+        )
     write_whole(out, world_xml(chosen).encode())
     print(f"{out}: open it with python -m mujoco.viewer --mjcf={out}")
 
@@ -276,6 +279,12 @@ def _commands() -> list[Any]:
 def _refuse(message: str) -> int:
     print(f"herd: {' '.join(message.split())}", file=sys.stderr)
     return 2
+
+
+def _report(folder: Path, as_json: bool = False) -> str:
+    from trials.reports.report import report
+
+    return report(folder, as_json=as_json)
 
 
 def _cores() -> int:

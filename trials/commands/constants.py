@@ -12,31 +12,6 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from robots import body as bodies
-from trials.simulations import is_kinematic
-from trials.types import Trial
-
-PHYSICAL_MODULES = (
-    "robots.physics",
-    "sensing.laser.readings",
-    "sensing.laser.intensity",
-    "worlds.formations",
-    "trials.simulations.robots.measures",
-)
-KINEMATIC_MODULES = (
-    "flocking.kinematic.detection",
-    "flocking.kinematic.motion",
-    "trials.simulations.kinematic.measures",
-)
-
-
-def modules_of(trial: Trial) -> list[str]:
-    """Those that a trial is computed with: of its bodies, each once, and of what all robots share."""
-    if is_kinematic(trial):
-        return list(KINEMATIC_MODULES)
-    of_bodies = [name for group in trial.groups for name in bodies.load(group.body).constants]
-    return [*dict.fromkeys(of_bodies), *PHYSICAL_MODULES]
-
 
 class Constant(NamedTuple):
     """One number of a module."""

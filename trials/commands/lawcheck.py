@@ -22,6 +22,7 @@ from typing import IO, Any, NamedTuple
 import numpy as np
 
 from flocking.errors import InputError
+from trials.batch.running import Asked, users_laws
 
 CALL_LIMIT_S = 5.0
 """Wall time that one call may take: some 10⁵ times what the project's laws need."""
@@ -64,6 +65,12 @@ def check(path: str) -> None:
     finally:
         process.kill()
         process.wait()
+
+
+def check_all(asked: Asked) -> None:
+    """Tries out each law that is a file of the user's own, in a process that can be stopped."""
+    for path in users_laws(asked):
+        check(path)
 
 
 def _listen(stream: IO[str] | None, lines: queue.SimpleQueue[str | None]) -> None:

@@ -17,7 +17,7 @@ from flocking import lawentry, selection
 from flocking.parameters import declared
 from flocking.perception import Step
 from flocking.taxonomy import Filled, Taxonomy, Validation
-from trials.simulations.robots import information
+from sensing.pipelines import INFERRED, OF_ITSELF, all_pipelines, given_by
 
 STAGES = {
     "sensing": "S",
@@ -105,7 +105,7 @@ def one_law(name: str) -> str:
         check(name)
     law = lawentry.module_of(name)
     parts = [(law.__doc__ or "").strip()]
-    creates = information.for_creates(law, {})
+    creates = getattr(law, "CREATE", {})
     rows = [
         (
             d.name,
@@ -240,13 +240,13 @@ def _on_creates(law: ModuleType) -> str:
     sets = selection.parse_sets("all", lawentry.sets_of(law), declared(law.Parameters))
     if any(chosen.step is Step.GRAPH for steps in sets for chosen in steps):
         return "with ids in place of its graph, as in fixed-set(0, 1, 2), and pipeline perfect"
-    lacking = (lawentry.needs_of(law) | _of_selections(law)) - information.OF_ITSELF
+    lacking = (lawentry.needs_of(law) | _of_selections(law)) - OF_ITSELF
     ways = []
-    for name, pipeline in sorted(information.pipelines().items()):
-        missing = lacking - information.given(pipeline)
+    for name, pipeline in sorted(all_pipelines().items()):
+        missing = lacking - given_by(pipeline)
         if not missing:
             ways.append(name)
-        elif missing <= information.INFERRED:
+        elif missing <= INFERRED:
             ways.append(f"{name} with association")
     return ", ".join(ways) or NONE
 

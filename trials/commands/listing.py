@@ -5,17 +5,26 @@ from __future__ import annotations
 import ast
 import importlib.util
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from flocking import found
-from trials.commands.constants import constants, modules_of
+from flocking.obstacle_selection import OBSTACLE_SELECTIONS
+from flocking.selection import SELECTIONS
+from trials import simulations
+from trials.commands.constants import constants
 from trials.design import experiments
 from trials.types import Trial
 
 SHOWN_TRIALS = 12
 """First trials of a long list that are shown; the last one follows."""
+BY_FILES: Mapping[str, Callable[[], dict[str, str]]] = {
+    "experiments": experiments,
+    "laws": lambda: found.modules("flocking.laws"),
+    "pipelines": lambda: found.modules("sensing.pipelines"),
+}
+"""Kinds whose names are files: their docstrings are read without running them."""
 KINDS = ["experiments", "laws", "pipelines", "selections", "formations", "bodies", "worlds"]
 
 
@@ -39,7 +48,8 @@ def planned(plan: Any, chosen: Sequence[Trial]) -> str:
     ]
     lines = [f"{plan.experiment}: {plan.title}", "", *_table(("parameter", "value", "unit", "", "source"), rows), ""]
     fixed = [
-        (constant.name, f"{constant.value:g}", constant.remark) for constant in constants(modules_of(plan.trials[0]))
+        (constant.name, f"{constant.value:g}", constant.remark)
+        for constant in constants(simulations.of(plan.trials[0]).constants(plan.trials[0]))
     ]
     lines += [*_table(("constant, not to be set", "value", "unit and source"), fixed), ""]
     for factor, values in (*plan.conditions.items(), *plan.sweep.items()):
@@ -54,42 +64,15 @@ def planned(plan: Any, chosen: Sequence[Trial]) -> str:
 
 
 def _names(kind: str) -> dict[str, str]:
-    """Names of one kind and the first lines of their docstrings."""
-    if kind in ("selections", "formations"):
-        return _functions(kind)
-    packages = {
-        "laws": "flocking.laws",
-        "pipelines": "sensing.pipelines",
-        "bodies": "robots",
-        "worlds": "worlds",
-    }
-    modules = experiments() if kind == "experiments" else found.modules(packages[kind])
-    if kind in ("bodies", "worlds"):
-        from trials.simulations.robots.keys import valid
-
-        modules = {name: modules[name] for name in valid(packages[kind])}
-    named = {name: _first_sentence(module) for name, module in sorted(modules.items())}
-    if kind == "worlds":
-        from trials.simulations.kinematic.fields import WORLD_PARAMETERS
-
-        named |= {f"kinematic: {name}": _opening(fields.__doc__ or "") for name, fields in WORLD_PARAMETERS.items()}
-    return named
-
-
-def _functions(kind: str) -> dict[str, str]:
-    """Names of things that are functions or classes, and the first sentences of their docstrings."""
+    """Names of one kind and the first sentences of their docstrings."""
     if kind == "selections":
-        from flocking.obstacle_selection import OBSTACLE_SELECTIONS
-        from flocking.selection import SELECTIONS
-
         documented: dict[str, Any] = {name: about.function for name, about in SELECTIONS.items()}
         documented |= {f"obstacles: {name}": about.function for name, about in OBSTACLE_SELECTIONS.items()}
+    elif kind in BY_FILES:
+        return {name: _first_sentence(module) for name, module in sorted(BY_FILES[kind]().items())}
     else:
-        from trials.simulations.kinematic.fields import FORMATION_PARAMETERS
-        from worlds.formations import FORMATIONS
-
-        documented = {f"robots: {name}": function for name, function in FORMATIONS.items()}
-        documented |= {f"kinematic: {name}": fields for name, fields in FORMATION_PARAMETERS.items()}
+        ways = [simulations.named(name) for name in reversed(simulations.names())]
+        documented = {name: thing for way in ways for name, thing in way.listed(kind).items()}
     return {name: _opening(thing.__doc__ or "") for name, thing in documented.items()}
 
 

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from typing import Any
 
 from flocking.errors import InputError
+from trials.design import MAX_TRIALS
 
 _KEY = re.compile(r"[A-Za-z_][\w-]*(\.[A-Za-z_][\w-]*)*")
 _WORD = re.compile(r"[A-Za-z_.~/][\w./~-]*\+?(\([\w., -]*\))?( *& *[A-Za-z_-]+(\([\w., -]*\))?)*")
@@ -36,8 +37,8 @@ def sweeps(texts: Iterable[str]) -> dict[str, list[Any]]:
     return found
 
 
-def only(text: str, count: int) -> list[int]:
-    """`--only 1-4,9`: the indices of the trials, in order, of `count` in all."""
+def only(text: str) -> tuple[int, ...]:
+    """`--only 1-4,9`: the indices of the trials, in order."""
     indices: set[int] = set()
     for part in text.split(","):
         match = _RANGE.fullmatch(part.strip())
@@ -46,21 +47,10 @@ def only(text: str, count: int) -> list[int]:
         first, last = int(match[1]), int(match[2] or match[1])
         if first > last:
             raise InputError(f"--only {text!r}: the range {part.strip()} ends before it begins")
-        if first < 1 or last > count:
-            raise InputError(f"--only {text!r}: expected trials from 1 to {count}")
+        if last > MAX_TRIALS:
+            raise InputError(f"--only {text!r}: expected trials from 1 to {MAX_TRIALS}")
         indices.update(range(first, last + 1))
-    return sorted(indices)
-
-
-def ranges(indices: Sequence[int]) -> str:
-    """The inverse of `only`: 1-4,9."""
-    parts: list[list[int]] = []
-    for index in sorted(indices):
-        if parts and index == parts[-1][1] + 1:
-            parts[-1][1] = index
-        else:
-            parts.append([index, index])
-    return ",".join(str(a) if a == b else f"{a}-{b}" for a, b in parts)
+    return tuple(sorted(indices))
 
 
 def _split(option: str, text: str, what: str) -> tuple[str, str]:

@@ -9,11 +9,11 @@ import socket
 import subprocess
 import sys
 import time
-from collections.abc import Iterable
 from pathlib import Path
 from urllib.parse import quote
 
 from flocking.errors import InputError
+from trials.batch.running import ranges
 
 LOOPBACK = "127.0.0.1"
 """The viewer's servers listen on all addresses unless told otherwise; nobody else shall see them."""
@@ -49,19 +49,9 @@ def recording(folder: Path | None, trial: int | None) -> Path:
     if trial is None:
         return recorded[min(recorded)]
     if trial not in recorded:
-        raise InputError(f"trial {trial} of {folder} was not recorded; recorded: {spans(recorded)}")
+        spans = ranges(list(recorded), between=", ")
+        raise InputError(f"trial {trial} of {folder} was not recorded; recorded: {spans}")
     return recorded[trial]
-
-
-def spans(numbers: Iterable[int]) -> str:
-    """Whole numbers in short: 1-4, 9."""
-    groups: list[list[int]] = []
-    for number in sorted(numbers):
-        if groups and number == groups[-1][-1] + 1:
-            groups[-1].append(number)
-        else:
-            groups.append([number])
-    return ", ".join(str(g[0]) if len(g) == 1 else f"{g[0]}-{g[-1]}" for g in groups)
 
 
 def has_display() -> bool:

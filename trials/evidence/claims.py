@@ -1,5 +1,5 @@
-"""How published claims are held against a run: its cells of repeats, the outcomes that decide, the entries
-reported."""
+"""Published numbers and claims held against a run: the questions that a study asks of it, and the entries of its
+report."""
 
 from __future__ import annotations
 
@@ -9,80 +9,10 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from importlib import resources
-from pathlib import Path
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
-import numpy as np
-
-from flocking.types import Floats
-from trials.evidence import statistics
-from trials.evidence.statistics import Decision
-from trials.types import Trial, TrialResult
-
-
-class FinishedTrial(Protocol):
-    """A row of a run's results (as `trials.batch.store.Row`)."""
-
-    @property
-    def index(self) -> int: ...
-    @property
-    def status(self) -> str: ...
-    @property
-    def reason(self) -> str: ...
-    @property
-    def repeat(self) -> int: ...
-    @property
-    def conditions(self) -> Mapping[str, Any]: ...
-    @property
-    def measures(self) -> Mapping[str, float]: ...
-
-
-class Run(Protocol):
-    """A run as the claims and figures read it (as `trials.batch.store.Store`)."""
-
-    @property
-    def folder(self) -> Path: ...
-    @property
-    def trials(self) -> list[Trial]:
-        """All trials that the run is to have, finished or not."""
-
-    def rows(self) -> Sequence[FinishedTrial]: ...
-    def series(self, index: int) -> TrialResult: ...
-
-
-class UndecidedError(Exception):
-    """A claim cannot be judged on this run; the message says why."""
-
-
-class Outcome(NamedTuple):
-    """One tested quantity that bears on a claim."""
-
-    label: str
-    """What was measured, in which conditions, with its unit."""
-    decision: Decision
-    kind: str
-    """`exceeds` or `equivalent`."""
-    threshold: float
-    margin: float
-    decides: bool
-    """False: shown beside the others, but without a say in the verdict."""
-    ratio: bool = False
-    """The numbers tested are logarithms of ratios; `shown` turns them back."""
-
-    def shown(self) -> tuple[float, float, float, float]:
-        """Measured, low, high and margin in the unit of the label."""
-        numbers = (self.decision.measured, self.decision.low, self.decision.high, self.margin)
-        return tuple(map(math.exp, numbers)) if self.ratio else numbers  # type: ignore[return-value]
-
-    def in_margins(self) -> tuple[float, float, float]:
-        """Measured, low and high, less the threshold, in units of the margin: what a forest plot puts on one
-        axis."""
-        decision, scale = self.decision, self.margin
-        return (
-            (decision.measured - self.threshold) / scale,
-            (decision.low - self.threshold) / scale,
-            (decision.high - self.threshold) / scale,
-        )
+from trials.evidence.outcomes import Outcome, decided_by_all
+from trials.evidence.runs import Cells, Run, UndecidedError, arms
 
 
 @dataclass(frozen=True)
@@ -91,7 +21,11 @@ class Entry:
 
     source: str
     quantity: str
-    published: str | float
+    """What was measured for it, with its unit."""
+    claim: str
+    """What was published, in words."""
+    published: float | str
+    """The number that `measured` is held against, where one was published; else the words of the claim."""
     measured: float
     low: float
     high: float
@@ -110,144 +44,8 @@ class Entry:
     def as_json(self) -> dict[str, Any]:
         """As `herd report --json` prints it; nan becomes null."""
         names = ("source", "quantity", "published", "measured", "low", "high", "n", "agrees", "test", "margin")
-        told = {name: _plain(getattr(self, name)) for name in (*names, "effect")}
+        told = {name: _plain(getattr(self, name)) for name in (*names, "effect", "claim")}
         return told | ({"arm": dict(self.arm)} if self.arm else {})
-
-
-class Cells:
-    """The finished trials of one arm of a run, by condition, in pairs by repeat.
-
-    Failed trials are left out and counted; a trial that has not run yet makes what needs it `UndecidedError`.
-    """
-
-    def __init__(self, trials: Iterable[Trial], rows: Iterable[FinishedTrial], keys: Sequence[str]) -> None:
-        """`keys`: the conditions, in the order in which `values` is given theirs."""
-        self.keys = tuple(keys)
-        self.trials = list(trials)
-        self._rows = {row.index: row for row in rows}
-        self._planned: dict[tuple[Any, ...], dict[int, FinishedTrial | None]] = {}
-        for trial in self.trials:
-            cell = tuple(trial.conditions.get(key) for key in self.keys)
-            self._planned.setdefault(cell, {})[trial.repeat] = self._rows.get(trial.index)
-        self.used: set[tuple[Any, ...]] = set()
-        """Cells that were asked for since the last `begin`."""
-
-    def begin(self) -> None:
-        """Forgets which cells were asked for."""
-        self.used.clear()
-
-    def levels(self, key: str) -> list[Any]:
-        """The values of a condition that the run has, in order; `UndecidedError` if it varies no such thing."""
-        column = self.keys.index(key)
-        found = {cell[column] for cell in self._planned} - {None}
-        if not found:
-            raise UndecidedError(f"the run has no trials with {key}")
-        return sorted(found)
-
-    def values(self, measure: str, *cell: Any) -> dict[int, float]:
-        """A measure of one cell by repeat; nan where it could not be measured or the trial failed."""
-        self.used.add(cell)
-        if cell not in self._planned:
-            told = ", ".join(f"{key} = {value}" for key, value in zip(self.keys, cell, strict=True))
-            raise UndecidedError(f"the run has no trials with {told}")
-        rows = self._planned[cell]
-        if any(row is None for row in rows.values()):
-            missing = sum(row is None for used in self.used for row in self._planned.get(used, {}).values())
-            raise UndecidedError(f"{missing} of the trials that it needs have not run (herd resume finishes them)")
-        return {
-            repeat: row.measures.get(measure, math.nan) if row is not None and row.status == "done" else math.nan
-            for repeat, row in rows.items()
-        }
-
-    def array(self, measure: str, *cell: Any) -> Floats:
-        """(n,) the same without the repeats' numbers."""
-        return np.array(list(self.values(measure, *cell).values()))
-
-    def failed(self) -> int:
-        """Failed trials in the cells that were asked for."""
-        rows = [row for cell in self.used for row in self._planned.get(cell, {}).values()]
-        return sum(row is not None and row.status != "done" for row in rows)
-
-    def difference(self, measure: str, cell: tuple[Any, ...], other: tuple[Any, ...]) -> Floats:
-        """(n,) `measure` in `cell` minus that in `other`, paired by repeat; nan where one of the two is
-        missing."""
-        first, second = self.values(measure, *cell), self.values(measure, *other)
-        return np.array([first[repeat] - second[repeat] for repeat in sorted(first.keys() & second.keys())])
-
-    def log_ratio(self, measure: str, cell: tuple[Any, ...], other: tuple[Any, ...]) -> Floats:
-        """(n,) natural logarithm of `measure` in `cell` over that in `other`; nan where either is not
-        positive."""
-        first, second = self.values(measure, *cell), self.values(measure, *other)
-        pairs = np.array([(first[r], second[r]) for r in sorted(first.keys() & second.keys())]).reshape(-1, 2)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            logs = np.log(np.where(pairs > 0.0, pairs, np.nan))
-        change: Floats = logs[:, 0] - logs[:, 1]
-        return change
-
-
-def same(label: str, differences: Floats, margin: float, decides: bool = True) -> Outcome:
-    """The outcome that paired differences lie within ±margin."""
-    decision = statistics.equivalent(differences, margin)
-    return Outcome(label, decision, "equivalent", 0.0, margin, decides)
-
-
-def near(label: str, values: Floats, target: float, margin: float, decides: bool = True) -> Outcome:
-    """The outcome that values lie within ±margin of a published number; it shows the values themselves."""
-    decision = statistics.equivalent(np.asarray(values) - target, margin)
-    shown = decision._replace(
-        measured=decision.measured + target, low=decision.low + target, high=decision.high + target
-    )
-    return Outcome(label, shown, "equivalent", target, margin, decides)
-
-
-def more(label: str, values: Floats, margin: float, threshold: float = 0.0, decides: bool = True) -> Outcome:
-    """The outcome that values exceed the threshold; an excess below the margin does not count."""
-    return Outcome(label, statistics.exceeds(values, threshold, margin), "exceeds", threshold, margin, decides)
-
-
-def above(
-    label: str,
-    values: Floats,
-    threshold: float,
-    scale: float,
-    decides: bool = True,
-    bounds: tuple[float, float] = (-math.inf, math.inf),
-) -> Outcome:
-    """The outcome that values lie above a threshold: not below it. `scale` is the margin shown.
-
-    `bounds`: between which values can lie at all; the interval shown ends there.
-    """
-    decision = statistics.exceeds(values, threshold)
-    shown = decision._replace(low=max(decision.low, bounds[0]), high=min(decision.high, bounds[1]))
-    return Outcome(
-        f"{label}, to lie above {threshold:g}",
-        shown,
-        "exceeds",
-        threshold,
-        scale,
-        decides,
-    )
-
-
-def ratio(label: str, logs: Floats, factor: float, decides: bool = True) -> Outcome:
-    """The outcome that ratios, given as logarithms, exceed 1; less than `factor` does not count."""
-    decision, margin = statistics.exceeds(logs, 0.0, math.log(factor)), math.log(factor)
-    return Outcome(label, decision, "exceeds", 0.0, margin, decides, ratio=True)
-
-
-def decided_by_all(outcomes: Sequence[Outcome]) -> tuple[bool | None, Outcome]:
-    """The verdict of the outcomes that decide, all of which must hold, and the one on which it hangs: the
-    clearest failure, else the weakest success."""
-    deciding = [outcome for outcome in outcomes if outcome.decides]
-    agrees = statistics.all_hold([outcome.decision for outcome in deciding])
-    return agrees, weakest(deciding, agrees)
-
-
-def weakest(outcomes: Sequence[Outcome], agrees: bool | None) -> Outcome:
-    """The outcome on which a verdict of all hangs."""
-    if agrees is False:
-        return min(outcomes, key=lambda outcome: outcome.decision.p_fails)
-    return max(outcomes, key=lambda outcome: outcome.decision.p_holds)
 
 
 @cache
@@ -258,14 +56,17 @@ def published(study: str, source: str, table: str) -> dict[str, Any]:
     return found
 
 
-def arms(run: Run, keys: Sequence[str]) -> list[tuple[dict[str, Any], list[Trial]]]:
-    """The arms of a run: for each combination of the conditions other than `keys`, its values and its
-    trials."""
-    found: dict[tuple[tuple[str, Any], ...], list[Trial]] = {}
-    for trial in run.trials:
-        others = tuple((key, value) for key, value in trial.conditions.items() if key not in keys)
-        found.setdefault(others, []).append(trial)
-    return [(dict(others), trials) for others, trials in found.items()]
+class Judged(NamedTuple):
+    """A claim after its tests."""
+
+    agrees: bool | None
+    """None = undecided."""
+    shown: Outcome
+    """The outcome that the verdict hangs on: the report shows its numbers."""
+    outcomes: Sequence[Outcome]
+    """All that was tested."""
+    test: str
+    """How the verdict came about, in words."""
 
 
 class Question(NamedTuple):
@@ -273,47 +74,99 @@ class Question(NamedTuple):
 
     source: str
     quantity: str
-    words: str
-    """As published."""
-    test: str
-    outcomes: Callable[[], Sequence[Outcome]]
-    """What is tested: all that decide must hold. May raise `UndecidedError`."""
+    claim: str
+    """As published, in words."""
+    judge: Callable[[], Judged]
+    """Tests it. Raises `UndecidedError` where the run does not have what that takes."""
+    published: float | None = None
+    """The number, where one was published that is held against what was measured."""
 
 
-def answered(question: Question, cells: Cells, arm: Mapping[str, Any]) -> Entry:
-    """The entry of a question that reads one arm's cells."""
-    cells.begin()
-    try:
-        outcomes = list(question.outcomes())
-        if not any(outcome.decides for outcome in outcomes):
+def claim_of(study: str, source: str, table: str, number: int, quantity: str, judge: Callable[[], Judged]) -> Question:
+    """The question on a claim, numbered from 1, of a table of a study's published.toml that has claims and sections."""
+    told = published(study, source, table)
+    section = told["sections"][number - 1]
+    place = f"section {section}" if section[0].isdigit() else section
+    return Question(
+        source=f"{source} {table}, claim {number} ({place})",
+        quantity=quantity,
+        claim=told["claims"][number - 1],
+        judge=judge,
+    )
+
+
+def all_must_hold(test: str, outcomes: Callable[[], Sequence[Outcome]]) -> Callable[[], Judged]:
+    """The judge of a claim that holds if every outcome that decides it does."""
+
+    def judge() -> Judged:
+        found = list(outcomes())
+        if not any(outcome.decides for outcome in found):
             raise UndecidedError("the run has no trials that decide it")
+        agrees, shown = decided_by_all(found)
+        return Judged(agrees, shown, found, test)
+
+    return judge
+
+
+def answers(run: Run, keys: Sequence[str], questions: Callable[[Cells], Iterable[Question]]) -> list[Entry]:
+    """The entries of a study: for each arm of the run those of all questions on its cells, which `keys` tell apart."""
+    entries, rows = [], run.rows()
+    for arm, trials in arms(run, keys):
+        cells = Cells(trials, rows, keys)
+        entries += [answered(question, [cells], arm) for question in questions(cells)]
+    return entries
+
+
+def answered(question: Question, used: Sequence[Cells], arm: Mapping[str, Any]) -> Entry:
+    """The entry of a question on one arm. `used`: the cells that it reads; a judge may add to them while it judges."""
+    for cells in used:
+        cells.begin()
+    try:
+        judged = question.judge()
     except UndecidedError as why:
-        return undecided(question.source, question.quantity, question.words, str(why), arm)
-    agrees, shown = decided_by_all(outcomes)
-    measured, low, high, margin = shown.shown()
-    failed = cells.failed()
+        return _undecided(question, str(why), arm)
+    shown, failed = judged.shown, sum(cells.failed() for cells in used)
     left_out = f"; {failed} failed trial{'s' if failed > 1 else ''} left out" if failed else ""
+    measured, low, high, margin = shown.shown()
     return Entry(
         source=question.source,
         quantity=f"{question.quantity}: {shown.label}",
-        published=question.words,
+        claim=question.claim,
+        published=shown.published if math.isfinite(shown.published) else _published(question),
         measured=measured,
         low=low,
         high=high,
         n=shown.decision.n,
-        agrees=agrees,
-        test=f"{question.test}{left_out}",
+        agrees=judged.agrees,
+        test=f"{judged.test}{left_out}",
         margin=margin,
         effect=shown.decision.effect,
         arm=arm,
-        outcomes=tuple(outcomes),
+        outcomes=tuple(judged.outcomes),
     )
 
 
-def undecided(source: str, quantity: str, words: str, why: str, arm: Mapping[str, Any]) -> Entry:
-    """The entry of a claim that could not be judged."""
+def _undecided(question: Question, why: str, arm: Mapping[str, Any]) -> Entry:
+    """The entry of a question that the run cannot answer."""
     nan = math.nan
-    return Entry(source, quantity, words, nan, nan, nan, 0, None, f"undecided: {why}", nan, arm=arm)
+    return Entry(
+        source=question.source,
+        quantity=question.quantity,
+        claim=question.claim,
+        published=_published(question),
+        measured=nan,
+        low=nan,
+        high=nan,
+        n=0,
+        agrees=None,
+        test=f"undecided: {why}",
+        margin=nan,
+        arm=arm,
+    )
+
+
+def _published(question: Question) -> float | str:
+    return question.claim if question.published is None else float(question.published)
 
 
 def _plain(value: Any) -> Any:

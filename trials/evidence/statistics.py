@@ -116,8 +116,7 @@ def holm(p_values: Sequence[float]) -> list[float]:
 
 
 def slopes(x: Floats, outcomes: Floats) -> Floats:
-    """Least-squares slope of each repeat's outcomes (n, K) over `x` (K,): (n,), to be tested as n numbers
-    are."""
+    """Least-squares slope of each repeat's outcomes (n, K) over `x` (K,): (n,), to be tested as n numbers are."""
     x, outcomes = np.asarray(x, dtype=np.float64), np.asarray(outcomes, dtype=np.float64)
     centred = x - x.mean()
     slope: Floats = (outcomes - outcomes.mean(axis=1, keepdims=True)) @ centred / (centred @ centred)
@@ -125,8 +124,7 @@ def slopes(x: Floats, outcomes: Floats) -> Floats:
 
 
 def hedges_g(values: Floats, threshold: float = 0.0) -> float:
-    """Mean of `values` (n,) less `threshold` in standard deviations, corrected for small n; nan if they are
-    equal."""
+    """Mean of `values` (n,) less `threshold` in standard deviations, corrected for small n; nan if they are equal."""
     values = _finite(values)
     n = len(values)
     if n < 2 or not (deviation := float(values.std(ddof=1))) > 1e-12:

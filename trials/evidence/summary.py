@@ -1,33 +1,18 @@
-"""A run's measures by cell: for each combination of conditions, the mean over its repeats with an
-interval."""
+"""A run's measures by cell: for each combination of conditions, the mean over its repeats with an interval."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from flocking.types import Floats
-from trials.evidence.claims import Run
+from trials.evidence.runs import Run
 from trials.evidence.statistics import mean_interval
-from trials.simulations import is_kinematic, measures_of
 
-PHYSICAL_MEASURES = (
-    "acts_as_snn_share",
-    "reverted_share",
-    "effective_ha_share",
-    "straightness",
-    "smoothness",
-    "fn_share",
-    "fp_update_share",
-    "mmd",
-)
-"""Those of robots that a first look needs; every measure of a run is in its report's page."""
 PART = "/"
 """In a name: a number of a table that an experiment's own claims and figures read, and no measure by itself."""
-KINEMATIC_MEASURES = ("polarization", "relative_speed", "mmd", "groups", "largest_share", "net_displacement")
-"""Those of kinematic herds."""
 
 
 class Cell(NamedTuple):
@@ -54,9 +39,12 @@ class Mean(NamedTuple):
     n: int
 
 
-def cells(run: Run) -> list[Cell]:
-    """The cells of a run in the order of its trials, unfinished ones too."""
-    rows, known = {row.index: row for row in run.rows()}, measures_of(run.trials)
+def cells(run: Run, known: Iterable[str]) -> list[Cell]:
+    """The cells of a run in the order of its trials, unfinished ones too.
+
+    `known`: the measures of its simulation, in the order in which they are shown; others follow by their names.
+    """
+    rows, order = {row.index: row for row in run.rows()}, tuple(known)
     groups: dict[tuple[tuple[str, Any], ...], list[int]] = {}
     for trial in run.trials:
         groups.setdefault(tuple(trial.conditions.items()), []).append(trial.index)
@@ -64,17 +52,10 @@ def cells(run: Run) -> list[Cell]:
     for conditions, indices in groups.items():
         ended = [rows[index] for index in indices if index in rows]
         done = [row for row in ended if row.status == "done"]
-        names = [name for name in known if any(name in row.measures for row in done)]
+        names = [name for name in order if any(name in row.measures for row in done)]
         names += sorted({name for row in done for name in row.measures if PART not in name} - set(names))
         measures = {name: np.array([row.measures.get(name, np.nan) for row in done]) for name in names}
         found.append(Cell(dict(conditions), len(indices), len(ended) - len(done), measures))
-    return found
-
-
-def key_measures(run: Run, experiment: Any) -> tuple[str, ...]:
-    """The measures that a first look at a run needs: those that the experiment names, or those of its kind."""
-    kinematic = bool(run.trials) and is_kinematic(run.trials[0])
-    found: tuple[str, ...] = getattr(experiment, "KEY_MEASURES", KINEMATIC_MEASURES if kinematic else PHYSICAL_MEASURES)
     return found
 
 

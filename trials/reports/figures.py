@@ -57,37 +57,6 @@ def save(canvas: Canvas, folder: Path, name: str, title: str, caption: str, dots
     return Figure(name, title, caption, path)
 
 
-def inputs_over_time(panels: Sequence[tuple[str, TrialResult | None]]) -> Canvas:
-    """Distances of all inputs over time, one panel a trial: one dot an input, one colour a robot.
-
-    As figures 2.6 to 2.9 of Fine 2015. A panel whose trial is None says so.
-    """
-    columns = min(2, len(panels))
-    canvas, axes = grid(len(panels), columns, width=8.4, height=2.3, share=True)
-    farthest = 0.0
-    for axis, (title, result) in zip(axes, panels, strict=True):
-        axis.set_title(title, loc="left")
-        if result is None:
-            absent(axis)
-            continue
-        updates = result.updates
-        of_update = np.repeat(np.arange(len(updates.times)), np.diff(updates.input_starts))
-        positions = updates.input_positions.astype(np.float64)
-        distances, who = np.hypot(positions[:, 0], positions[:, 1]), updates.robots[of_update]
-        times, made_up = updates.times[of_update], updates.input_owners < 0
-        axis.plot(times[made_up], distances[made_up], ",", color="black", alpha=0.5, rasterized=True)
-        for robot, colour in zip(range(len(result.robot_names)), itertools.cycle(ROBOT_COLOURS), strict=False):
-            own = (who == robot) & ~made_up
-            axis.plot(times[own], distances[own], ",", color=colour, rasterized=True)
-        farthest = max(farthest, float(distances.max(initial=0.0)))
-    axes[0].set_ylim(0.0, 1.03 * farthest or 1.0)
-    for axis in axes[-columns:]:
-        axis.set_xlabel("time (s)")
-    for axis in axes[::columns]:
-        axis.set_ylabel("distance of inputs (m)")
-    return canvas
-
-
 def trajectories(panels: Sequence[tuple[str, TrialResult | None]], columns: int = 3) -> Canvas:
     """The ways of all robots, seen from above; a dot where each ends."""
     ways = [result.poses_w[..., :2].reshape(-1, 2) for _, result in panels if result is not None]
@@ -196,8 +165,7 @@ def forest(entries: Sequence[Entry]) -> Canvas:
 
 
 def measures_by_cell(cells: Sequence[Cell], measures: Sequence[str], about: Mapping[str, Measure]) -> Canvas:
-    """Means with their 95 % intervals over the numeric condition with most values; a line for each of the
-    rest."""
+    """Means with their 95 % intervals over the numeric condition with most values; a line for each of the rest."""
     axis_key, lines = _lines(cells)
     canvas, axes = grid(len(measures), min(4, len(measures)), width=9.6, height=2.0)
     for axis, measure in zip(axes, measures, strict=True):

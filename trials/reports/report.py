@@ -1,31 +1,22 @@
-"""`herd report`: what was published beside what was measured: on the terminal, as JSON, and as one page of
-HTML."""
+"""`herd report`: what was published beside what was measured: on the terminal, as JSON, and as one page of HTML."""
 
 from __future__ import annotations
 
 import json
 import math
 import re
-from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from flocking.errors import InputError
+from trials import design
+from trials.batch.store import Store, newest, opened
 from trials.evidence.claims import Entry
-from trials.evidence.summary import Cell, Mean, cells, key_measures, mean, named
-from trials.simulations import is_kinematic
+from trials.evidence.summary import Cell, Mean, cells, mean, named
+from trials.reports.wording import VERDICTS, arms_of, columns, counted, shown_interval, shown_number, verdicts
+from trials.simulations import measures_of
 
-VERDICTS = {True: "holds", False: "does not hold", None: "undecided"}
-COLUMNS = {
-    "acts_as_snn_share": "acts\nas SNN",
-    "reverted_share": "computes\nSNN",
-    "straightness": "straight",
-    "smoothness": "smoothness\nm2",
-    "fn_share": "false\nneg.",
-    "fp_update_share": "false\npos.",
-}
-"""Measures of robots that fit on a terminal, and their headings."""
 STYLES = {True: "green", False: "red", None: "yellow"}
 
 
@@ -35,20 +26,18 @@ def report(folder: Path | None = None, as_json: bool = False) -> str:
     `folder` defaults to the newest run. Raises `InputError` if it holds no run that can be read, or if the
     page cannot be written.
     """
-    from trials.batch.store import newest, opened
-
     store = opened(folder if folder is not None else newest())
     try:
         module = _experiment(store.run["experiment"])
         entries = module.claims(store) if hasattr(module, "claims") else None
-        found = cells(store)
+        found = cells(store, measures_of(store.trials))
         if as_json:
             told = [entry.as_json() for entry in entries or _of_cells(store.run["experiment"], found)]
             return json.dumps(told, indent=2, ensure_ascii=False, allow_nan=False)
         from trials.reports.report_page import write
 
         try:
-            write(store, store.run, module, entries, found)
+            write(store, module, entries, found)
         except OSError as error:
             raise InputError(f"cannot write the report into {store.folder}: {error.strerror or error}") from error
         return _on_terminal(store, module, entries, found)
@@ -56,49 +45,7 @@ def report(folder: Path | None = None, as_json: bool = False) -> str:
         store.close()
 
 
-def shown_number(value: float) -> str:
-    """A measured number in three significant digits; a dash where there is none."""
-    if not math.isfinite(value):
-        return "-"
-    if value == 0.0 or 1e-3 <= abs(value) < 1e4:
-        decimals = max(0, 2 - math.floor(math.log10(abs(value)))) if value else 2
-        return f"{value:.{min(decimals, 4)}f}"
-    return f"{value:.2e}"
-
-
-def shown_interval(low: float, high: float) -> str:
-    """An interval in brackets; empty where there is none."""
-    return f"[{shown_number(low)}, {shown_number(high)}]" if math.isfinite(low) and math.isfinite(high) else ""
-
-
-def counted(store: Any) -> str:
-    """How many of a run's trials are done, failed and still to run."""
-    rows = store.rows()
-    failed = [row for row in rows if row.status != "done"]
-    missing = len(store.trials) - len(rows)
-    parts = [f"{len(rows) - len(failed)} of {len(store.trials)} trials done"]
-    parts += [f"{len(failed)} failed"] if failed else []
-    parts += [f"{missing} have not run"] if missing else []
-    return ", ".join(parts)
-
-
-def verdicts(entries: Sequence[Entry]) -> str:
-    """How many claims hold, do not hold and are undecided."""
-    counts = Counter(entry.agrees for entry in entries)
-    return f"{counts[True]} hold, {counts[False]} do not hold, {counts[None]} undecided"
-
-
-def arms_of(entries: Sequence[Entry]) -> list[tuple[str, list[Entry]]]:
-    """The entries by arm, each arm with its words (empty where there is but one)."""
-    found: dict[str, list[Entry]] = {}
-    for entry in entries:
-        found.setdefault(named(entry.arm) if entry.arm else "", []).append(entry)
-    return list(found.items())
-
-
 def _experiment(name: str) -> Any:
-    from trials import design
-
     try:
         return design.load(name)
     except InputError:  # of another version: its measures are still shown
@@ -113,11 +60,25 @@ def _of_cells(experiment: str, found: Sequence[Cell]) -> list[Entry]:
             at: Mean = mean(cell, name)
             quantity = f"{named(cell.conditions)}: {name}"
             test = "mean over the repeats, 95 % t interval; nothing was published"
-            entries.append(Entry(experiment, quantity, "", at.measured, at.low, at.high, at.n, None, test, math.nan))
+            entries.append(
+                Entry(
+                    source=experiment,
+                    quantity=quantity,
+                    claim="",
+                    published="",
+                    measured=at.measured,
+                    low=at.low,
+                    high=at.high,
+                    n=at.n,
+                    agrees=None,
+                    test=test,
+                    margin=math.nan,
+                )
+            )
     return entries
 
 
-def _on_terminal(store: Any, module: Any, entries: Sequence[Entry] | None, found: Sequence[Cell]) -> str:
+def _on_terminal(store: Store, module: Any, entries: Sequence[Entry] | None, found: Sequence[Cell]) -> str:
     from rich.console import Console
     from rich.text import Text
 
@@ -131,7 +92,7 @@ def _on_terminal(store: Any, module: Any, entries: Sequence[Entry] | None, found
             for line in needed(entries):
                 console.print(Text(line))
         else:  # nothing published, or none of its cells in this run: what was measured stands alone
-            console.print(_cells_table(found, store.run["experiment"], _columns(store, module)))
+            console.print(_cells_table(found, store.run["experiment"], columns(store, module)))
             if entries:
                 console.print(Text(f"{verdicts(entries)}\n"))
         console.print(Text(counted(store)))
@@ -158,13 +119,6 @@ def needed(entries: Sequence[Entry]) -> list[str]:
     ]
 
 
-def _columns(store: Any, module: Any) -> Mapping[str, str]:
-    """Measures for the terminal, and their headings."""
-    if store.trials and is_kinematic(store.trials[0]):
-        return {name: name.replace("_", "\n") for name in key_measures(store, module)}
-    return COLUMNS
-
-
 def _claims_table(entries: Sequence[Entry], title: str) -> Any:
     from rich import box
     from rich.table import Table
@@ -177,7 +131,7 @@ def _claims_table(entries: Sequence[Entry], title: str) -> Any:
     table.add_column("n", justify="right")
     table.add_column("verdict", min_width=9)
     for entry in entries:
-        words = Text(f"{entry.published}\n")
+        words = Text(f"{entry.claim}\n")
         words.append(entry.quantity if math.isfinite(entry.measured) else entry.test, style="dim")
         interval = shown_interval(entry.low, entry.high).replace(", ", ",\n")
         measured = Text(shown_number(entry.measured))

@@ -12,13 +12,13 @@ from pathlib import Path
 from string import Template
 from typing import Any
 
-from trials.batch.store import write_whole
+from trials.batch.store import Store, write_whole
 from trials.batch.worker import one_line
 from trials.evidence.claims import Entry
-from trials.evidence.summary import Cell, cells, key_measures, mean, named
+from trials.evidence.summary import Cell, mean, named
 from trials.reports import figures as draw
 from trials.reports.figures import Figure
-from trials.reports.report import VERDICTS, arms_of, counted, shown_interval, shown_number, verdicts
+from trials.reports.wording import VERDICTS, arms_of, counted, key_measures, shown_interval, shown_number, verdicts
 from trials.simulations import measures_of
 from trials.types import Measure
 
@@ -28,12 +28,9 @@ TOLD = ("command", "only", "seed", "repeats", "started", "commit", "cpu", "syste
 """What of run.json stands at the page's head, beside the versions."""
 
 
-def write(
-    store: Any, run: Mapping[str, Any], module: Any, entries: Sequence[Entry] | None, found: Sequence[Cell]
-) -> Path:
+def write(store: Store, module: Any, entries: Sequence[Entry] | None, found: Sequence[Cell]) -> Path:
     """Writes the figures and the page into the run's folder; returns the page's path."""
-    folder: Path = store.folder
-    parts = []
+    folder, parts = store.folder, []
     for arm, some in arms_of(entries or []):
         parts.append(f"<h2>Published and measured{escape(f': {arm}') if arm else ''}</h2>")
         parts.append(f"<p>{escape(verdicts(some))}.</p>{_claims(some)}")
@@ -46,31 +43,31 @@ def write(
             parts.append(
                 _figure(draw.save(draw.forest(some), folder, name, "The claims with their intervals", caption))
             )
-    for figure in _figures(store, module, folder, found):
+    for figure in _figures(store, module, found):
         parts.append(f"<h2>{escape(figure.title)}</h2>{_figure(figure)}")
     parts.append(f"<h2>All measures by cell</h2>{_measures(found, measures_of(store.trials))}")
     parts.append(_failures(store))
     text = resources.files("trials.reports").joinpath("report.html").read_text(encoding="utf-8")
-    title = f"{run['experiment']}: {folder.name}"
-    page = Template(text).substitute(title=escape(title), about=_about(store, run), body="\n".join(parts))
+    title = f"{store.run['experiment']}: {folder.name}"
+    page = Template(text).substitute(title=escape(title), about=_about(store), body="\n".join(parts))
     path = folder / PAGE
     write_whole(path, page.encode())
     return path
 
 
-def _figures(store: Any, module: Any, folder: Path, found: Sequence[Cell]) -> list[Figure]:
+def _figures(store: Store, module: Any, found: Sequence[Cell]) -> list[Figure]:
     """The experiment's own figures, then the measures by cell, which every experiment has."""
     own: list[Figure] = []
     if hasattr(module, "figures"):
         try:
-            own = module.figures(store, folder)
+            own = module.figures(store, store.folder)
         except (ValueError, OverflowError) as error:  # numbers that no axis takes: the tables still stand
             print(f"herd: the figures could not be drawn: {one_line(str(error))}", file=sys.stderr)
     names = [name for name in key_measures(store, module) if any(name in cell.measures for cell in found)]
     if names:
         canvas = draw.measures_by_cell(found, names, measures_of(store.trials))
         caption = "Mean over the repeats with its 95 % interval."
-        own = [*own, draw.save(canvas, folder, "measures", "Measures by cell", caption)]
+        own = [*own, draw.save(canvas, store.folder, "measures", "Measures by cell", caption)]
     return own
 
 
@@ -92,7 +89,7 @@ def _claims(entries: Sequence[Entry]) -> str:
     rows = []
     for entry in entries:
         rows.append(
-            f"<tr><td>{escape(entry.source)}</td><td>{escape(str(entry.published))}</td>"
+            f"<tr><td>{escape(entry.source)}</td><td>{escape(entry.claim)}</td>"
             f"<td>{escape(entry.quantity)}<br><span class='small'>{escape(entry.test)}</span>{_outcomes(entry)}</td>"
             f"<td class='number'>{_measured(entry.measured, entry.low, entry.high)}</td>"
             f"<td class='number'>{shown_number(entry.margin)}</td>"
@@ -143,7 +140,7 @@ def _measures(found: Sequence[Cell], known: Mapping[str, Measure]) -> str:
     )
 
 
-def _failures(store: Any) -> str:
+def _failures(store: Store) -> str:
     failed = [row for row in store.rows() if row.status != "done"]
     if not failed:
         return ""
@@ -155,13 +152,10 @@ def _failures(store: Any) -> str:
     return f"<h2>Failed trials</h2><table><tr><th>trial</th><th>conditions</th><th>reason</th></tr>{rows}</table>"
 
 
-def _about(store: Any, run: Mapping[str, Any]) -> str:
-    told = [counted(store)]
+def _about(store: Store) -> str:
+    run, told = store.run, [counted(store)]
     told += [f"{key} {run[key]}" for key in TOLD if run.get(key) not in (None, "")]
     versions = run.get("versions")
     if isinstance(versions, Mapping):
         told.append(", ".join(f"{name} {version}" for name, version in versions.items()))
     return escape("; ".join(told))
-
-
-__all__ = ["PAGE", "cells", "write"]

@@ -1,4 +1,5 @@
-"""Drawings of kinematic trials: ways from start to end, and curves of a measure over a condition."""
+"""Drawings of herds too large to tell members apart: their ways from start to end, curves of a measure over a
+condition; and the trials that a drawing shows."""
 
 from __future__ import annotations
 
@@ -9,7 +10,7 @@ import numpy as np
 
 from flocking.errors import InputError
 from flocking.types import Floats
-from trials.evidence.claims import Run
+from trials.evidence.runs import Run
 from trials.evidence.statistics import mean_interval
 from trials.reports import figures as draw
 from trials.reports.figures import Canvas

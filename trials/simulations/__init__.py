@@ -1,97 +1,76 @@
-"""The two ways to run a trial, physical and kinematic; each is imported only where it is asked for."""
+"""The ways to run a trial: a folder each, found by its `simulation.py` and imported only where a trial asks for it."""
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Mapping, Sequence
+from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
 
-from flocking.parameters import Parameter
+from flocking import found
+from flocking.errors import unknown_name
+from trials.simulations.contract import Simulation
+from trials.simulations.groups import check_names, check_setup
 from trials.types import Measure, Trial, TrialResult
 
-if TYPE_CHECKING:
-    from trials.rows import Row
 
-PHYSICS, KINEMATIC = "physics", "kinematic"
-AVOIDS = "+"
-"""Behind a law's name: with the avoidance of obstacles that all laws share."""
+def names() -> list[str]:
+    """All simulations."""
+    return sorted(found.folders(__name__, "simulation"))
 
 
-def is_kinematic(trial: Trial) -> bool:
-    """Whether a trial needs neither MuJoCo nor sensors."""
-    return trial.simulation == KINEMATIC
+def of(trial: Trial) -> Simulation:
+    """The simulation that runs a trial. Raises `InputError` with the nearest names if there is none."""
+    return named(trial.simulation)
 
 
-def put(trial: Trial, key: str, value: Any) -> Trial:
-    """`trial` with one dotted key set; the value is checked. Raises `InputError` naming the nearest keys."""
-    if is_kinematic(trial):
-        from trials.simulations.kinematic import keys as kinematic
-
-        return kinematic.put(trial, key, value)
-    from trials.simulations.robots import keys as physical
-
-    return physical.put(trial, key, value)
-
-
-def rows(trial: Trial, sources: Mapping[str, Parameter] | None = None) -> list[Row]:
-    """Every key of a trial with value, unit and source; `sources` are the experiment's own words for some."""
-    if is_kinematic(trial):
-        from trials.simulations.kinematic import keys as kinematic
-
-        return kinematic.rows(trial, sources)
-    from trials.simulations.robots import keys as physical
-
-    return physical.rows(trial, sources)
-
-
-def settled(trial: Trial) -> Trial:
-    """`trial` with the values written down that its names stand for, so that its run's folder tells them."""
-    if is_kinematic(trial):
-        return trial
-    from trials.simulations.robots import keys as physical
-
-    return physical.settled(trial)
+@cache
+def named(name: str) -> Simulation:
+    """The simulation of that name. Raises `InputError` with the nearest names if there is none."""
+    known = found.folders(__name__, "simulation")
+    if name not in known:
+        raise unknown_name("simulation", name, known)
+    simulation: Simulation = importlib.import_module(known[name]).SIMULATION
+    return simulation
 
 
 def check(trial: Trial) -> None:
     """Refuses, before anything is run, a trial whose names and numbers do not fit one another: `InputError`."""
-    if is_kinematic(trial):
-        from trials.simulations.kinematic import herd as kinematic
+    check_names(trial)
+    check_setup(trial, of(trial).keys_of)
+    of(trial).check(trial)
 
-        kinematic.check(trial)
-    else:
-        from trials.simulations.robots import herd as physical
 
-        physical.check(trial)
+def settled(trial: Trial) -> Trial:
+    """`trial` with the values written down that its names stand for, so that its run's folder tells them."""
+    return of(trial).settled(trial)
 
 
 def run_trial(trial: Trial, scans: str = "none", reraise: bool = False) -> TrialResult:
-    """Runs one trial and measures it; what goes wrong makes it a failed one, or is raised with `reraise`."""
-    if is_kinematic(trial):
-        from trials.simulations.kinematic import loop as kinematic
+    """Runs one trial and measures it; the same `Trial` gives the same result.
 
-        return kinematic.run_trial(trial, reraise)
-    from trials.simulations.robots import loop as physical
-
-    return physical.run_trial(trial, scans, reraise)
-
-
-def measures_of(trials: Sequence[Trial]) -> dict[str, Measure]:
-    """The measures of trials of one kind, in the order in which they are shown."""
-    if trials and is_kinematic(trials[0]):
-        from trials.simulations.kinematic.links import ABOUT as LINKS
-        from trials.simulations.kinematic.measures import ABOUT as KINEMATIC
-
-        return KINEMATIC | LINKS
-    from trials.simulations.robots.measures import ABOUT as PHYSICAL
-
-    return PHYSICAL
+    `scans`: which scans to keep for a recording: `none`, `some` (2 Hz) or `all`. They do not change the result. What
+    goes wrong makes it a failed one, which says why and keeps what was measured until then; with `reraise` the error
+    is raised instead. Raises `InputError` for a trial that cannot be set up.
+    """
+    return of(trial).run_trial(trial, scans, reraise)
 
 
 def record(result: TrialResult, path: Path) -> None:
-    """Writes the recording of a finished trial."""
-    if is_kinematic(result.trial):
-        from trials.simulations.kinematic.recordings import write
-    else:
-        from trials.simulations.robots.recordings import write
-    write(result, path)
+    """Writes the recording of a finished trial. Raises `OSError` where it cannot be written whole."""
+    of(result.trial).record(result, path)
+
+
+def measures_of(trials: Sequence[Trial]) -> Mapping[str, Measure]:
+    """The measures of trials of one simulation, in the order in which they are shown."""
+    return of(trials[0]).measures if trials else {}
+
+
+def key_measures_of(trials: Sequence[Trial]) -> tuple[str, ...]:
+    """Of these, those that a first look at a report needs."""
+    return of(trials[0]).key_measures if trials else ()
+
+
+def headings_of(trials: Sequence[Trial]) -> Mapping[str, str]:
+    """The measures that fit on a terminal with their headings, where a simulation has headings of its own; else {}."""
+    return of(trials[0]).headings if trials else {}

@@ -1,4 +1,4 @@
-"""Columns of numbers as the Rerun viewer takes them."""
+"""Columns of numbers and colours as the Rerun viewer takes them."""
 
 from __future__ import annotations
 
@@ -11,6 +11,10 @@ from numpy.typing import NDArray
 from flocking.types import Floats, Ints
 
 TIMELINE = "time"
+MEMBER_COLOURS = np.array(
+    [0xE69F00FF, 0x56B4E9FF, 0x2FBF8FFF, 0xF0E442FF, 0xF0703AFF, 0xD58BB8FF, 0x7D9BFFFF, 0xB8C4CEFF], np.uint32
+)
+"""After Okabe and Ito 2008, which colour-blind people can tell apart; the dark ones lightened."""
 
 
 def in_world(positions: Any, poses_w: Floats) -> Floats:
@@ -43,3 +47,8 @@ def spans(starts: Ints, ends: Ints) -> Ints:
     """The numbers from each start to before its end, one span after the other."""
     counts = ends - starts
     return np.repeat(starts - np.r_[0, np.cumsum(counts)[:-1]], counts) + np.arange(counts.sum())
+
+
+def member_colours(count: int) -> NDArray[np.uint32]:
+    """(N,) packed colours; they repeat beyond eight members."""
+    return MEMBER_COLOURS[np.arange(count) % len(MEMBER_COLOURS)]

@@ -5,37 +5,25 @@ Fine 2015, table 3.2 (composition) tells homogeneous from heterogeneous groups; 
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
 from flocking import lawentry
-from flocking.errors import InputError, unknown_name
-from flocking.parameters import Declared, Parameter, checked, declared
-from trials.rows import Row
+from flocking.errors import InputError
+from flocking.parameters import Declared, Parameter, declared
+from trials.rows import Section
 from trials.streams import Purpose, stream
 from trials.types import Group, Trial
 
 ABOUT = Parameter("", "a choice: of the value, uniformly to either side, for each member its own", low=0.0, high=1.0)
 
 
-def put(group: Group, key: str, name: str, value: Any) -> Group:
-    """`group` with the spread of one of its law's parameters set. Raises `InputError`."""
+def section_of(group: Group) -> Section:
+    """The spreads that a group can be given, one for each parameter of its law; those that are set are shown."""
     known = declared(lawentry.module_of(group.law, group.law_source).Parameters)
-    if name not in known:
-        raise unknown_name("parameter", key, [f"{group.name}.spread.{each}" for each in known])
-    share = checked(key, value, Declared(name, float, 0.0, ABOUT))
-    return dataclasses.replace(group, spread={**group.spread, name: share})
-
-
-def rows(group: Group) -> list[Row]:
-    """The spreads that are set."""
-    return [
-        Row(f"{group.name}.spread.{name}", share, ABOUT.unit, ABOUT.source, False)
-        for name, share in group.spread.items()
-    ]
+    return Section("spread.", {name: Declared(name, float, 0.0, ABOUT) for name in known}, lambda: group.spread)
 
 
 def parameters(trial: Trial, number: int, member: int, usual: Mapping[str, Any]) -> dict[str, Any]:
@@ -57,7 +45,7 @@ def parameters(trial: Trial, number: int, member: int, usual: Mapping[str, Any])
     try:
         lawentry.parameters_of(group.law, law, own, f"{group.name}.law.")
     except InputError as error:
-        drawn = " and ".join(f"{row.key} = {row.value:g}" for row in rows(group))
+        drawn = " and ".join(f"{group.name}.spread.{name} = {share:g}" for name, share in group.spread.items())
         raise InputError(f"{error}, which {drawn} breaks for member {member + 1}") from None
     return own
 

@@ -1,19 +1,19 @@
-"""The ways of a kinematic trial's members, cut where they cross the border of a periodic world."""
+"""The ways of a trial's members, cut where they cross the border of a periodic world."""
 
 from __future__ import annotations
+
+import math
 
 import numpy as np
 from numpy.typing import NDArray
 
 from flocking.types import Bools, Floats, Ints
-from trials.simulations.kinematic import fields
 from trials.types import TrialResult
 
 
 def period_of(result: TrialResult) -> float | None:
-    """The side of a periodic world, m."""
-    trial = result.trial
-    return float(fields.world_of(trial).size_m) if fields.space_of(trial) == "periodic" else None
+    """The side of a trial's periodic world, m; None where it is not periodic."""
+    return result.period_m if math.isfinite(result.period_m) else None
 
 
 def strips(positions: Floats, period: float | None) -> tuple[NDArray[np.float32], Ints]:

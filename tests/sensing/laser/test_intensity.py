@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from sensing.laser.draws import intensity_draws, range_draws
 from sensing.laser.hokuyo import ANGLES, SETTINGS, Lasers
 from sensing.laser.intensity import returned
 
@@ -16,7 +17,7 @@ ROUND_OFF = 1e-9
 def read(scene, parameters, seed=0, intensity=True):
     lasers = Lasers(scene.model, scene.sites, scene.roots, [parameters] * len(scene.roots))
     rngs = np.random.default_rng(seed), np.random.default_rng(seed + 1)
-    return lasers.read(scene.data, 0, 0.0, rngs[0], rngs[1] if intensity else None)
+    return lasers.read(scene.data, 0, 0.0, range_draws(rngs[0]), intensity_draws(rngs[1]) if intensity else None)
 
 
 def wall_at(distance):

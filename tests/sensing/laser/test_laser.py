@@ -9,7 +9,9 @@ import pytest
 from flocking.errors import InputError
 from flocking.parameters import checked, declared
 from sensing.laser import readings
-from sensing.laser.hokuyo import ANGLES, MAX_RANGE_M, NORMALS, SETTINGS, Lasers, Parameters
+from sensing.laser.draws import AHEAD, Draws, intensity_draws, range_draws
+from sensing.laser.hokuyo import ANGLES, MAX_RANGE_M, NO_INTENSITIES, SETTINGS, Lasers, Parameters
+from sensing.laser.readings import NORMALS
 from sensing.laser.reference import difference
 from sensing.laser.sweep import BEAM_S, SWEEP_S, TURN_S
 from sensing.types import NOBODY
@@ -25,6 +27,14 @@ def lasers_of(scene, *parameters):
     return Lasers(scene.model, scene.sites, scene.roots, each)
 
 
+def for_ranges(seed=0):
+    return range_draws(np.random.default_rng(seed))
+
+
+def for_light(seed=0):
+    return intensity_draws(np.random.default_rng(seed))
+
+
 def wall_at(distance):
     """A wall across the x axis, `distance` from the laser of a robot at the origin."""
     return (0.1 + distance + 0.1, 0.0, math.pi / 2, 20.0, 0.1)
@@ -32,8 +42,8 @@ def wall_at(distance):
 
 def front_readings(arena, distance, parameters, count=3000, seed=1):
     scene = arena([(0, 0, 0)], [wall_at(distance)])
-    lasers, rng = lasers_of(scene, parameters), np.random.default_rng(seed)
-    return np.array([lasers.read(scene.data, 0, 0.0, rng)[0].ranges[FRONT] for _ in range(count)])
+    lasers, draws = lasers_of(scene, parameters), for_ranges(seed)
+    return np.array([lasers.read(scene.data, 0, 0.0, draws)[0].ranges[FRONT] for _ in range(count)])
 
 
 def test_every_setting_keeps_its_parameters_bounds():
@@ -46,7 +56,7 @@ def test_every_setting_keeps_its_parameters_bounds():
 
 def test_ideal_readings_are_the_exact_distances(arena):
     scene = arena([(0, 0, 0), (2, 0.5, 1)], [wall_at(3.0)])
-    scan, truth = lasers_of(scene, IDEAL).read(scene.data, 0, 1.25, np.random.default_rng(0))
+    scan, truth = lasers_of(scene, IDEAL).read(scene.data, 0, 1.25, for_ranges())
     np.testing.assert_array_equal(scan.ranges, truth.ranges)
     assert scan.ranges[FRONT - 100] == pytest.approx(3.0 / math.cos(ANGLES[FRONT - 100]), abs=EXACT)
     assert scan.time == 1.25
@@ -114,7 +124,7 @@ def test_noise_carries_nothing_beyond_what_can_be_reported(arena):
 
 def test_an_empty_world_returns_nothing(arena):
     scene = arena([(0, 0, 0)])
-    scan, truth = lasers_of(scene, STILL).read(scene.data, 0, 0.0, np.random.default_rng(0))
+    scan, truth = lasers_of(scene, STILL).read(scene.data, 0, 0.0, for_ranges())
     assert np.all(scan.ranges == math.inf)
     assert np.all(truth.ranges == math.inf)
     assert np.all(truth.owners == NOBODY)
@@ -122,9 +132,9 @@ def test_an_empty_world_returns_nothing(arena):
 
 def test_lost_readings_come_as_often_as_stated(arena):
     scene = arena([(0, 0, 0)], [wall_at(1.0)])
-    lasers, rng = lasers_of(scene, SHEET._replace(dropout=0.01)), np.random.default_rng(5)
+    lasers, draws = lasers_of(scene, SHEET._replace(dropout=0.01)), for_ranges(5)
     count = 300
-    lost = [np.isnan(lasers.read(scene.data, 0, 0.0, rng)[0].ranges).sum() for _ in range(count)]
+    lost = [np.isnan(lasers.read(scene.data, 0, 0.0, draws)[0].ranges).sum() for _ in range(count)]
     n = count * BEAMS
     assert sum(lost) / n == pytest.approx(0.01, abs=5 * math.sqrt(0.01 * 0.99 / n) + 1 / 65536)  # and one cell
 
@@ -141,18 +151,54 @@ def test_every_scan_takes_as_many_draws(arena):
         for setting in (SHEET, HARSH, STILL, SHEET._replace(intensity_mode="half-resolution")):
             scene = arena([(0, 0, 0), (0.6, 0, 0)], walls)
             streams = [np.random.default_rng(seed) for seed in (1, 2)]
-            lasers_of(scene, setting).read(scene.data, 0, 0.0, *streams)
+            lasers_of(scene, setting).read(
+                scene.data, 0, 0.0, range_draws(streams[0], 1), intensity_draws(streams[1], 1)
+            )
             states.add(tuple(stream.bit_generator.state["state"]["state"] for stream in streams))
     assert len(states) == 1
+
+
+@pytest.mark.parametrize("a_beam", [1, 2])
+def test_numbers_drawn_ahead_are_those_drawn_scan_by_scan(a_beam):
+    ahead, each = (Draws(np.random.default_rng(6), a_beam, n) for n in (AHEAD, 1))
+    kept = [ahead.next_scan() for _ in range(2 * AHEAD + 1)]
+    for numbers in kept:
+        np.testing.assert_array_equal(numbers, each.next_scan())
+    assert all(len(numbers) >= a_beam * BEAMS for numbers in kept)
+
+
+def test_scans_that_are_kept_are_not_written_over(arena):
+    scene = arena([(0, 0, 0), (1, 0.3, 0)], [wall_at(2.0)])
+    lasers, ranges, light = lasers_of(scene, HARSH), for_ranges(), for_light()
+    read = [lasers.read(scene.data, 0, 0.0, ranges, light) for _ in range(2)]
+    kept = [[field.copy() for field in (*scan[1:], *truth)] for scan, truth in read]
+    scene.put(1, 2.0, -1.0, 0.0)
+    for _ in range(2 * AHEAD):
+        lasers.read(scene.data, 0, 0.0, ranges, light)
+    for (scan, truth), before in zip(read, kept, strict=True):
+        for field, was in zip((*scan[1:], *truth), before, strict=True):
+            np.testing.assert_array_equal(field, was)
+
+
+@pytest.mark.parametrize("mode", ["ideal", "strong-code"])
+def test_intensities_that_nobody_reads_are_one_array_of_nan_that_cannot_be_written(arena, mode):
+    scene = arena([(0, 0, 0), (0.6, 0, 0)])
+    lasers = lasers_of(scene, SHEET._replace(intensity_mode=mode))
+    for _ in range(2):
+        scan, _ = lasers.read(scene.data, 0, 0.0, for_ranges())
+        assert scan.intensities is NO_INTENSITIES
+    assert np.isnan(NO_INTENSITIES).all()
+    with pytest.raises(ValueError, match="read-only"):
+        NO_INTENSITIES[0] = 1.0
 
 
 def test_the_same_seed_gives_the_same_scan_and_reading_intensity_changes_no_range(arena):
     scene = arena([(0, 0, 0), (1, 0.3, 0)], [wall_at(2.0)])
     lasers = lasers_of(scene, HARSH)
-    first, _ = lasers.read(scene.data, 0, 0.0, np.random.default_rng(3))
-    again, _ = lasers.read(scene.data, 0, 0.0, np.random.default_rng(3), np.random.default_rng(4))
+    first, _ = lasers.read(scene.data, 0, 0.0, for_ranges(3))
+    again, _ = lasers.read(scene.data, 0, 0.0, for_ranges(3), for_light(4))
     np.testing.assert_array_equal(first.ranges, again.ranges)
-    assert not np.array_equal(first.ranges, lasers.read(scene.data, 0, 0.0, np.random.default_rng(4))[0].ranges)
+    assert not np.array_equal(first.ranges, lasers.read(scene.data, 0, 0.0, for_ranges(4))[0].ranges)
 
 
 def test_readings_follow_qpos_without_lag(arena):
@@ -160,7 +206,7 @@ def test_readings_follow_qpos_without_lag(arena):
     lasers = lasers_of(scene, IDEAL)
     for x in (1.0, 1.5):
         scene.put(1, x, 0.0, 0.0)
-        assert lasers.read(scene.data, 0, 0.0, np.random.default_rng(0))[0].ranges[FRONT] == pytest.approx(x - 0.25)
+        assert lasers.read(scene.data, 0, 0.0, for_ranges())[0].ranges[FRONT] == pytest.approx(x - 0.25)
 
 
 # mixed readings
@@ -171,10 +217,11 @@ def edge_scans(arena, parameters, poses=400):
     rng = np.random.default_rng(7)
     scene = arena([(0, 0, 0), (0, 0, 0)], [wall_at(3.0)])
     lasers = lasers_of(scene, parameters)
+    ranges, light = for_ranges(8), for_light(9)
     for _ in range(poses):
         bearing = rng.uniform(-0.3, 0.3)
         scene.put(1, 0.1 + 1.5 * math.cos(bearing), 1.5 * math.sin(bearing), 0.0)
-        yield lasers.read(scene.data, 0, 0.0, rng, rng)
+        yield lasers.read(scene.data, 0, 0.0, ranges, light)
 
 
 def between(scan, truth):
@@ -223,9 +270,7 @@ def test_intensities_mix_as_ranges_do(arena):
 
 def test_beyond_an_edge_into_the_open_nothing_is_mixed(arena):
     scene = arena([(0, 0, 0), (1.5, 0, 0)])
-    scan, truth = lasers_of(scene, IDEAL._replace(footprint_rad=0.01)).read(
-        scene.data, 0, 0.0, np.random.default_rng(0)
-    )
+    scan, truth = lasers_of(scene, IDEAL._replace(footprint_rad=0.01)).read(scene.data, 0, 0.0, for_ranges())
     np.testing.assert_array_equal(scan.ranges, truth.ranges)
 
 
@@ -235,7 +280,7 @@ def test_beyond_an_edge_into_the_open_nothing_is_mixed(arena):
 def test_lit_counts_the_beams_across_each_robot(arena):
     scene = arena([(0, 0, 0), (1.1, 0, 0), (0.1, -2.0, 0)], [wall_at(3.0)])
     for setting in (IDEAL, HARSH):
-        _, truth = lasers_of(scene, setting).read(scene.data, 0, 0.0, np.random.default_rng(0))
+        _, truth = lasers_of(scene, setting).read(scene.data, 0, 0.0, for_ranges())
         for k, distance in ((1, 1.0), (2, 2.0)):
             assert abs(truth.lit[k] - 2 * math.asin(0.15 / distance) / (2 * math.pi / 1024)) <= 1
         assert truth.lit[0] == 0
@@ -243,10 +288,10 @@ def test_lit_counts_the_beams_across_each_robot(arena):
 
 def test_a_reading_belongs_to_the_member_whose_surface_it_is_near(arena):
     scene = arena([(0, 0, 0), (3.1, 0, 0)], [wall_at(4.0)])
-    lasers, rng = lasers_of(scene, HARSH._replace(footprint_rad=0.0)), np.random.default_rng(0)
+    lasers, draws = lasers_of(scene, HARSH._replace(footprint_rad=0.0)), for_ranges()
     given, lost = 0, 0
     for _ in range(400):
-        scan, truth = lasers.read(scene.data, 0, 0.0, rng)
+        scan, truth = lasers.read(scene.data, 0, 0.0, draws)
         on_it = (truth.ranges < 3.2) & np.isfinite(scan.ranges)
         near = (
             difference(scan.ranges, truth.ranges) <= 3 * 0.03 * truth.ranges + 0.0005
@@ -257,10 +302,14 @@ def test_a_reading_belongs_to_the_member_whose_surface_it_is_near(arena):
     assert lost / (given + lost) == pytest.approx(0.0027, abs=5 * math.sqrt(0.0027 / (given + lost)))
 
 
-def test_truth_is_left_out_where_nobody_keeps_it(arena):
-    scene = arena([(0, 0, 0)], [wall_at(1.0)])
-    _, truth = lasers_of(scene, SHEET).read(scene.data, 0, 0.0, np.random.default_rng(0), keep_truth=False)
-    assert [len(field) for field in truth] == [0, 0, 0]
+def test_exact_ranges_are_left_out_where_nobody_reads_them(arena):
+    scene = arena([(0, 0, 0), (1, 0.3, 0)], [wall_at(2.0)])
+    lasers = lasers_of(scene, HARSH)
+    scan, truth = lasers.read(scene.data, 0, 0.0, for_ranges(), exact=False)
+    full, whole_truth = lasers.read(scene.data, 0, 0.0, for_ranges())
+    assert truth.ranges.shape == (0,)
+    for left, right in zip((scan.ranges, truth.owners, truth.lit), (full.ranges, *whole_truth[::2]), strict=True):
+        np.testing.assert_array_equal(left, right)
 
 
 # the sweep
@@ -278,8 +327,8 @@ def test_a_sweep_of_a_world_at_rest_is_an_instantaneous_scan(arena):
         lasers.remember(scene.data)
         scene.data.time += 0.01
     still = lasers_of(scene, SHEET)
-    slow, slow_truth = lasers.read(scene.data, 0, 0.0, np.random.default_rng(1), np.random.default_rng(2))
-    fast, fast_truth = still.read(scene.data, 0, 0.0, np.random.default_rng(1), np.random.default_rng(2))
+    slow, slow_truth = lasers.read(scene.data, 0, 0.0, for_ranges(1), for_light(2))
+    fast, fast_truth = still.read(scene.data, 0, 0.0, for_ranges(1), for_light(2))
     np.testing.assert_allclose(slow_truth.ranges, fast_truth.ranges, atol=EXACT)
     np.testing.assert_array_equal(slow.ranges, fast.ranges)
     np.testing.assert_allclose(slow.intensities, fast.intensities, rtol=1e-9)
@@ -301,7 +350,7 @@ def test_each_beam_of_a_sweep_is_read_at_its_own_instant(arena):
     for step in range(21):
         go(0.01 * step)
         lasers.remember(scene.data)
-    _, truth = lasers.read(scene.data, 0, end, np.random.default_rng(0))
+    _, truth = lasers.read(scene.data, 0, end, for_ranges())
     expected = np.empty(BEAMS)
     for i in range(BEAMS):
         go(end - (BEAMS - 1 - i) * BEAM_S)
@@ -320,7 +369,7 @@ def test_driving_at_a_wall_shortens_a_sweep_by_the_way_driven(arena):
         scene.data.time = 0.01 * step
         scene.put(0, 0.5 * (scene.data.time - 0.2), 0.0, 0.0)
         lasers.remember(scene.data)
-    scan, _ = lasers.read(scene.data, 0, 0.2, np.random.default_rng(0))
+    scan, _ = lasers.read(scene.data, 0, 0.2, for_ranges())
     ages = (BEAMS - 1 - np.arange(BEAMS)) * BEAM_S
     ahead = abs(ANGLES) < 1.0
     np.testing.assert_allclose(scan.ranges[ahead], ((2.0 + 0.5 * ages) / np.cos(ANGLES))[ahead], atol=EXACT)
@@ -335,7 +384,7 @@ def test_a_world_set_back_in_time_forgets(arena):
         lasers.remember(scene.data)
     scene.data.time = 0.0
     scene.put(0, 0.0, 0.0, 0.0)
-    scan, _ = lasers.read(scene.data, 0, 0.0, np.random.default_rng(0))
+    scan, _ = lasers.read(scene.data, 0, 0.0, for_ranges())
     assert scan.ranges[FRONT] == pytest.approx(2.0, abs=EXACT)
 
 

@@ -17,14 +17,12 @@ def scan_of(rectangles=(), discs=(), laser=(0.0, 0.0, 0.0), max_range_m=5.6):
     """Distances and owners of surfaces; rectangles (x, y, angle, a, b), discs (x, y, radius), all fixed."""
     rows = [[x, y, math.cos(t), math.sin(t), a, b] for x, y, t, a, b in rectangles]
     rows += [[x, y, 1.0, 0.0, r, r] for x, y, r in discs]
-    shapes = np.array(rows, dtype=float).reshape(-1, 6)
-    count = len(shapes)
-    frames, owners = np.full(count, -1), np.full(count, -1)
+    outlines, nobody = np.array(rows, dtype=float).reshape(-1, 6), np.full(len(rows), -1)
+    shapes = planar.Shapes(outlines, len(rectangles), nobody, nobody, np.ones((len(rows), 2)))
     nearness, surfaces = np.empty(BEAMS), np.empty(BEAMS, np.int64)
-    pose = (laser[0], laser[1], math.cos(laser[2]), math.sin(laser[2]))
-    common = (np.empty((0, 4)), shapes, len(rectangles), frames, owners, planar.beam_directions())
-    planar.cast(pose, 0, max_range_m, *common, nearness, surfaces)
-    one = [planar.cast_one(i, pose, 0, max_range_m, *common) for i in range(BEAMS)]
+    pose = planar.Pose(laser[0], laser[1], math.cos(laser[2]), math.sin(laser[2]))
+    planar.cast(pose, 0, max_range_m, np.empty((0, 4)), shapes, nearness, surfaces)
+    one = [planar.cast_one(i, pose, 0, max_range_m, np.empty((0, 4)), shapes) for i in range(BEAMS)]
     hit = surfaces >= 0
     distances = np.full(BEAMS, math.inf)
     distances[hit] = 1.0 / nearness[hit]
@@ -171,7 +169,7 @@ def test_the_bounds_on_leaning_and_lifting_are_where_they_are_stated(arena):
         lean(scene, k, planar.TILT_BOUND_RAD - 1e-6)
         lasers.cast(scene.data, 0)
         lean(scene, k, planar.TILT_BOUND_RAD + 1e-6)
-        with pytest.raises(InputError, match=rf"body 'robot-{k}' leans.*sensing\.reference"):
+        with pytest.raises(InputError, match=rf"body 'robot-{k}' leans.*sensing\.laser\.reference"):
             lasers.cast(scene.data, 0)
         lean(scene, k, 0.0, lift=planar.LIFT_BOUND_M - 1e-6)
         lasers.cast(scene.data, 0)

@@ -72,7 +72,7 @@ def test_what_ends_below_the_plane_is_missed_and_what_ends_at_it_is_refused():
     ],
 )
 def test_no_prism_is_an_error_that_names_the_other_method(geom):
-    with pytest.raises(InputError, match=r"geom 'it'.*sensing\.reference"):
+    with pytest.raises(InputError, match=r"geom 'it'.*sensing\.laser\.reference"):
         slice_at(world(**geom), 0.1)
 
 
@@ -108,14 +108,15 @@ def test_shapes_follow_their_bodies_as_the_geoms_do(arena):
     cut = slice_at(model, 0.18, scene.roots)
     assert sorted(cut.owners) == [0, 1, 1]
     assert set(cut.bodies) == set(scene.roots)
+    shapes = planar.Shapes(cut.shapes, cut.rectangles, cut.frames, cut.owners, cut.materials)
     for _ in range(20):
         for k in range(2):
             scene.put(k, *rng.uniform(-3, 3, 3))
         mujoco.mj_kinematics(model, data)
         poses = np.empty((2, 4))
-        assert planar.place(data.qpos, cut.addresses, cut.levels_m, 0.18, poses) == planar.LEVEL
+        assert planar.place(data.qpos, planar.Frames(cut.addresses, cut.levels_m, 0.18), poses) == planar.LEVEL
         for p, geom in enumerate(cut.geoms):
-            x, y, ux, uy = planar.in_laser_frame(cut.shapes[p], cut.frames[p], poses, (0.0, 0.0, 1.0, 0.0))
+            x, y, ux, uy = planar.in_laser_frame(shapes, p, poses, planar.Pose(0.0, 0.0, 1.0, 0.0))
             np.testing.assert_allclose([x, y], data.geom_xpos[geom][:2], atol=EXACT)
             if p < cut.rectangles:
                 np.testing.assert_allclose([ux, uy], data.geom_xmat[geom].reshape(3, 3)[:2, 0], atol=EXACT)

@@ -36,7 +36,7 @@ class Silent:
 
 
 def new_store(folder: Path, trials: Sequence[Trial]) -> Store:
-    run = {"format": 1, "experiment": "fake", "trials": [trial.as_dict() for trial in trials]}
+    run = {"format": store.FORMAT, "experiment": "fake", "trials": [trial.as_dict() for trial in trials]}
     return store.create(folder, run, {})
 
 

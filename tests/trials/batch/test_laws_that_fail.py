@@ -64,7 +64,7 @@ class Silent:
 
 def batch(folder: Path, trials: Sequence[Trial], run: worker.Job = worker.run_packed, warm: bool = True) -> list[Row]:
     """The rows of a batch on one worker."""
-    made = {"format": 1, "experiment": "test", "trials": [trial.as_dict() for trial in trials]}
+    made = {"format": store.FORMAT, "experiment": "test", "trials": [trial.as_dict() for trial in trials]}
     kept = store.create(folder, made, {})
     warm_up, imports = trials[-1:] if warm else [], worker.imports_of(trials)
     run_batch(trials, kept, Silent(), jobs=1, run=run, imports=imports, warm_up=warm_up, law_limit_s=LIMIT_S)
@@ -97,22 +97,23 @@ def test_of_a_kinematic_batch(tmp_path: Path, synchronous: bool) -> None:
         for named in laws
     ]
     rows = batch(tmp_path / "run", numbered(trials))
-    hung = f"law {hangs[0]!r} did not return within 2 s of wall time for member 6 at step 3"
+    hung = f"law {hangs[0]!r} did not return within 2 s of wall time for"
     gave = (
         f"law {lost[0]!r} returned kind {int(Kind.VELOCITY)}, x nan, y 0 for member 6 at step 3; "
         "expected a kind of 0 to 5 and finite numbers"
     )
-    assert [row.reason for row in rows] == [hung, hung, gave, gave, ""]
+    # of two groups, four members each, the sixth member is the second one of the second group
+    assert [row.reason for row in rows] == [f"{hung} g0-6 at step 3", f"{hung} g1-2 at step 3", gave, gave, ""]
     assert [row.status for row in rows] == [*["failed"] * 4, "done"]
 
 
 def robots(law: tuple[str, str] | None = None) -> Trial:
     """Six Creates that update at 0, 0.1, 0.2 … s."""
     base = plan("detection-case-study", repeats=1).trials[1]
-    changed = dataclasses.replace(base.groups[0], phase="together", pipeline="perfect", rate_hz=10.0)
+    changed = dataclasses.replace(base.groups[0], setup={"phase": "together", "rate_hz": 10.0}, pipeline="perfect")
     if law is not None:
         changed = dataclasses.replace(changed, law=law[0], law_source=law[1], law_parameters={})
-    return dataclasses.replace(base, duration_s=0.5, groups=(changed,))
+    return dataclasses.replace(base, setup={"duration_s": 0.5}, groups=(changed,))
 
 
 def test_of_a_physical_batch(tmp_path: Path) -> None:

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import dataclasses
 import io
+import json
 import math
 import sys
 import time
+import zipfile
 from pathlib import Path
 from typing import Any
 
@@ -34,6 +36,8 @@ def assert_equal(a: Any, b: Any) -> None:
     elif isinstance(a, np.ndarray):
         assert (a.dtype, a.shape) == (b.dtype, b.shape)
         assert a.tobytes() == b.tobytes()
+    elif isinstance(a, float):
+        assert a == b or (math.isnan(a) and math.isnan(b))
     else:
         assert a == b
 
@@ -69,6 +73,25 @@ def test_measures_keep_what_json_has_no_word_for(result: TrialResult) -> None:
     assert [back[name] for name in "bcd"] == [math.inf, -math.inf, 0.1 + 0.2]
 
 
+@pytest.mark.parametrize("period_m", [3.5, math.nan])
+def test_the_side_of_a_periodic_world_comes_back(result: TrialResult, period_m: float) -> None:
+    packed = series.pack(dataclasses.replace(result, period_m=period_m))
+    np.testing.assert_equal(series.unpack(packed).period_m, period_m)
+
+
+def test_a_file_from_before_there_were_periods_has_none(result: TrialResult) -> None:
+    data = io.BytesIO()
+    with zipfile.ZipFile(io.BytesIO(series.pack(result))) as whole, zipfile.ZipFile(data, "w") as older:
+        for name in whole.namelist():
+            entry = whole.read(name)
+            if name == series.HEAD:
+                head = json.loads(entry)
+                del head["period_m"]
+                entry = json.dumps(head).encode()
+            older.writestr(name, entry)
+    assert math.isnan(series.unpack(data.getvalue()).period_m)
+
+
 def test_numpy_reads_it_as_well(result: TrialResult) -> None:
     with np.load(io.BytesIO(series.pack(result))) as archive:
         np.testing.assert_array_equal(archive["poses_w"], result.poses_w)
@@ -90,8 +113,9 @@ def test_a_flipped_byte_is_noticed(result: TrialResult) -> None:
 
 
 def test_a_newer_format_says_so(result: TrialResult, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(series, "FORMAT", 2)
+    now = series.FORMAT
+    monkeypatch.setattr(series, "FORMAT", now + 1)
     newer = series.pack(result)
-    monkeypatch.setattr(series, "FORMAT", 1)
-    with pytest.raises(InputError, match="format 2: this version reads format 1"):
+    monkeypatch.setattr(series, "FORMAT", now)
+    with pytest.raises(InputError, match=f"format {now + 1}: this version reads format {now}"):
         series.unpack(newer)

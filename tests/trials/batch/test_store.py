@@ -24,7 +24,7 @@ TRIALS = [fake_trials.trial(k) for k in (1, 2, 3)]
 
 
 def new(folder: Path) -> Store:
-    run = {"format": 1, "experiment": "fake", "seed": 1, "trials": [trial.as_dict() for trial in TRIALS]}
+    run = {"format": store.FORMAT, "experiment": "fake", "seed": 1, "trials": [trial.as_dict() for trial in TRIALS]}
     return store.create(folder, run, {"mine.py": "law = 1\n"})
 
 
@@ -194,13 +194,13 @@ def test_a_newer_version_is_told(tmp_path: Path) -> None:
     new(tmp_path / "run").close()
     path = tmp_path / "run" / "run.json"
     told = path.read_text()
-    path.write_text(told.replace('"format": 1', '"format": 2'))
-    refused(tmp_path / "run", "has format 2: this version reads 1")
+    path.write_text(told.replace(f'"format": {store.FORMAT}', f'"format": {store.FORMAT + 1}'))
+    refused(tmp_path / "run", f"has format {store.FORMAT + 1} and this version reads {store.FORMAT}")
     path.write_text(told)
     with sqlite3.connect(tmp_path / "run" / "results.sqlite") as connection:
-        connection.execute("PRAGMA user_version = 2")
+        connection.execute(f"PRAGMA user_version = {store.FORMAT + 1}")
     connection.close()
-    refused(tmp_path / "run", "has format 2, of a newer version")
+    refused(tmp_path / "run", f"has format {store.FORMAT + 1}, of a newer version")
 
 
 def test_a_missing_or_damaged_series_is_told(tmp_path: Path) -> None:

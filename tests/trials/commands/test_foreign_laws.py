@@ -10,7 +10,7 @@ import pytest
 
 from flocking.errors import InputError
 from tests.trials.made_up_run import MadeUpRow, MadeUpRun
-from trials import design, simulations
+from trials import design
 from trials.simulations.kinematic import links
 from trials.simulations.kinematic.measures import ABOUT
 from trials.types import TrialResult
@@ -20,7 +20,7 @@ FOREIGN = ("dong", "couzin")
 REPORTED = [
     name
     for name in design.experiment_names()
-    if simulations.is_kinematic(design.load(name).base(1))
+    if design.load(name).base(1).simulation == "kinematic"
     and (hasattr(design.load(name), "claims") or hasattr(design.load(name), "figures"))
 ]
 """Kinematic experiments with a report of their own."""

@@ -9,6 +9,7 @@ from urllib.parse import parse_qs, urlparse
 import pytest
 
 from flocking.errors import InputError
+from trials.batch.running import ranges
 from trials.commands import playback
 
 
@@ -47,7 +48,7 @@ def test_without_a_folder_the_newest_run_plays(run: Path, tmp_path: Path, monkey
 
 @pytest.mark.parametrize(("numbers", "text"), [([], ""), ([7], "7"), ([3, 1, 2], "1-3"), ([1, 3, 4, 9], "1, 3-4, 9")])
 def test_numbers_in_short(numbers: list[int], text: str) -> None:
-    assert playback.spans(numbers) == text
+    assert ranges(numbers, ", ") == text
 
 
 @pytest.mark.parametrize("web_port", [None, 9001])

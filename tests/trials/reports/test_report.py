@@ -14,16 +14,18 @@ from typing import Any
 import pytest
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
-from made_up_run import MadeUpRun, made_up_run
+from made_up_run import MadeUpRun, finished, made_up_run
 from synthetic import synthetic_result
 
 from flocking.errors import InputError
+from trials import design
 from trials.batch import series, store
 from trials.batch.store import Row, Store
-from trials.evidence.claims import UndecidedError
+from trials.evidence.claims import published
+from trials.evidence.runs import UndecidedError
 from trials.evidence.summary import cells, mean, named
 from trials.reports import report
-from trials.reports.report import shown_interval, shown_number
+from trials.reports.wording import shown_interval, shown_number
 from trials.simulations.robots.measures import ABOUT
 from trials.studies.detection import claims, figures
 from trials.studies.detection.claims import supplement
@@ -167,7 +169,7 @@ def test_supplements_must_have_the_settings_of_the_run(tmp_path: Path) -> None:
         supplement(main, "detection-ideal", {}, ())
     ideal = made_up_run(_law, pipelines=("perfect", "member-based"), repeats=3, experiment="detection-ideal")
     ideal.trials = [
-        dataclasses.replace(t, groups=tuple(dataclasses.replace(g, sensors="ideal") for g in t.groups))
+        dataclasses.replace(t, groups=tuple(dataclasses.replace(g, setup={"sensors": "ideal"}) for g in t.groups))
         for t in ideal.trials
     ]
     (tmp_path / "detection-ideal").mkdir()
@@ -181,7 +183,7 @@ def test_supplements_must_have_the_settings_of_the_run(tmp_path: Path) -> None:
 def test_a_cell_is_its_repeats() -> None:
     run = made_up_run(_law, repeats=5)
     run.finished[0] = dataclasses.replace(run.finished[0], status="failed", measures={})
-    found = cells(run)
+    found = cells(run, ABOUT)
     assert [(cell.planned, cell.failed, cell.done) for cell in found] == [(5, 1, 4)] + [(5, 0, 5)] * 8
     assert mean(found[2], "mmd").measured == pytest.approx(2.0, rel=0.03)  # standard error 0.5 %
     assert named(found[1].conditions) == "member-based, exclusion_m 0.5"
@@ -194,3 +196,22 @@ def test_numbers_are_shown_in_three_digits() -> None:
     assert shown_number(nan) == "-"
     assert shown_interval(nan, 1.0) == ""
     assert shown_interval(0.0, 1.0) == "[0.00, 1.00]"
+
+
+def test_a_published_number_is_a_number_in_json_and_stands_in_words_before_the_reader(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(report, "_experiment", design.load)
+    monkeypatch.setenv("COLUMNS", "160")
+    run = finished(design.plan("lch-table-4-1", repeats=3).trials, lambda trial: {"mmd_end": 0.05}, seed=1, spread=0.01)
+    _kept(run, tmp_path / "run", "lch-table-4-1").close()
+    first, *_, last = json.loads(report.report(tmp_path / "run", as_json=True))
+    table = published("trials.studies.crowded_horizon", "fine2015", "table_4_1")
+    assert first["published"] == table["single_group"]["group_pose"]
+    assert first["claim"].endswith(f"range 3: {first['published']:g}")
+    assert last["published"] == last["claim"]
+    told = report.report(tmp_path / "run")
+    page = (tmp_path / "run" / "report.html").read_text(encoding="utf-8")
+    for entry in (first, last):
+        assert entry["claim"] in told
+        assert entry["claim"] in page

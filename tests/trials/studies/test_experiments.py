@@ -6,9 +6,7 @@ import pytest
 
 from flocking.parameters import Parameter
 from trials import design, simulations
-from trials.batch import worker
 from trials.commands import listing
-from trials.types import Trial
 
 NAMES = design.experiment_names()
 
@@ -31,7 +29,8 @@ class TestExperiment:
         assert getattr(module, "RECORD", "all") in ("all", "first", "none")
 
     def test_its_first_trial_runs_a_moment(self, name: str) -> None:
-        trial = Trial.from_dict(worker.moment(design.plan(name, repeats=1).trials[0].as_dict()))
+        whole = design.plan(name, repeats=1).trials[0]
+        trial = simulations.of(whole).moment(whole)
         result = simulations.run_trial(trial, reraise=True)
         assert result.outcome == "done"
         assert result.times[-1] > 0.0

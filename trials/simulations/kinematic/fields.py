@@ -11,13 +11,15 @@ from functools import cache
 from typing import Annotated, Any, NamedTuple
 
 from flocking import lawentry
+from flocking import obstacle_selection as selection_of_obstacles
 from flocking.kinematic.bands import MOST_M
 from flocking.parameters import Parameter, filled
 from flocking.taxonomy import Herd
-from trials.simulations import KINEMATIC
+from trials.rows import below
 from trials.simulations.kinematic import lattice_starts, links
 from trials.types import Group, Trial, Value
 
+NAME = "kinematic"
 OPEN = math.nan
 """Left to the law's own herd."""
 OWN_LEADERS = -1
@@ -31,6 +33,8 @@ OWN_SPACE = "own"
 """The world that the law's own herd names."""
 SPACES = (OWN_SPACE, "unbounded", "bounded", "periodic", "obstacles")
 FORMATIONS = ("uniform", "single-group", "split-group", "triangular-lattice", "square-lattice", *lattice_starts.NAMES)
+LINKS = "links."
+"""Before the keys of the links that a trial measures."""
 _LAW = "the law's own herd: HERD in its file"
 
 
@@ -105,7 +109,9 @@ class GroupFields(NamedTuple):
             choices=("as-law", "avoid", "virtual-members"),
         ),
     ] = "as-law"
-    obstacle_selection: Annotated[str, Parameter("", "Fine 2015, figure 3.3, which leaves it open")] = "all"
+    obstacle_selection: Annotated[
+        str, Parameter("", "Fine 2015, figure 3.3, which leaves it open", reads=selection_of_obstacles.parse)
+    ] = "all"
     look_ahead_m: Annotated[
         float, Parameter("m", f"of the shared avoidance; three quarters of a spacing, or a step: {_LAW}", low=0.0)
     ] = OPEN
@@ -222,22 +228,19 @@ def trial(
     world_parameters: dict[str, Value] | None = None,
     formation: str = "uniform",
     formation_parameters: dict[str, Value] | None = None,
-    **kinematics: Value,
+    **setup: Value,
 ) -> Trial:
-    """A kinematic trial; `kinematics`: of `TrialFields`."""
+    """A kinematic trial; `setup`: of `TrialFields`."""
     return Trial(
         experiment=experiment,
-        index=1,
-        seed=1,
         repeat=repeat,
+        simulation=NAME,
         world=world,
         formation=formation,
-        duration_s=0.0,
         groups=tuple(groups),
         world_parameters=world_parameters or {},
-        simulation=KINEMATIC,
         formation_parameters=formation_parameters or {},
-        kinematics=kinematics,
+        setup=setup,
     )
 
 
@@ -249,9 +252,9 @@ def group(
     selection: str = "all",
     pipeline: str = "perfect",
     law_parameters: dict[str, Value] | None = None,
-    **kinematics: Value,
+    **setup: Value,
 ) -> Group:
-    """A kinematic group; `kinematics`: of `GroupFields`."""
+    """A kinematic group; `setup`: of `GroupFields`."""
     return Group(
         name=name,
         count=count,
@@ -259,7 +262,7 @@ def group(
         selection=selection,
         law=law,
         law_parameters=law_parameters or {},
-        kinematics=kinematics,
+        setup=setup,
     )
 
 
@@ -276,7 +279,7 @@ def _declared(law: str, source: str) -> Herd:
 
 def of_trial(trial: Trial) -> TrialFields:
     """A trial's fields with everything filled in: what it leaves open is the first group's law's."""
-    fields: TrialFields = filled(TrialFields, trial.kinematics)
+    fields: TrialFields = filled(TrialFields, below(trial.setup, ""))
     own = own_herd(trial.groups[0])
     return fields._replace(
         timestep_s=_closed(fields.timestep_s, own.dt_s),
@@ -286,7 +289,7 @@ def of_trial(trial: Trial) -> TrialFields:
 
 def of_group(group: Group) -> GroupFields:
     """A group's fields with everything filled in."""
-    fields: GroupFields = filled(GroupFields, group.kinematics, prefix=f"{group.name}.")
+    fields: GroupFields = filled(GroupFields, below(group.setup, ""), prefix=f"{group.name}.")
     own = own_herd(group)
     return fields._replace(
         speed_m_s=_closed(fields.speed_m_s, own.speed_m_s),
@@ -327,7 +330,8 @@ def formation_of(trial: Trial) -> Any:
 
 def links_of(trial: Trial) -> links.Parameters | None:
     """With which a trial's links are measured; None if they are not."""
-    return filled(links.Parameters, trial.links, prefix="links.") if trial.links else None
+    given = below(trial.setup, LINKS)
+    return filled(links.Parameters, given, prefix=LINKS) if given else None
 
 
 def _closed(value: float, own: float) -> float:

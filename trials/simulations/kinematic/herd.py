@@ -71,7 +71,7 @@ def check(trial: Trial) -> None:
             raise unknown_name(name, value, valid)
     given = fields.of_trial(trial)
     count = sum(group.count for group in trial.groups)
-    every = 1 if trial.links else given.every
+    every = 1 if fields.links_of(trial) else given.every
     if given.every > given.steps:
         raise InputError(
             f"steps = {given.steps}: expected at least every = {given.every}, after which the first moment is kept; "

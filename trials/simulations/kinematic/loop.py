@@ -14,10 +14,10 @@ from trials.simulations.kinematic import fields, links
 from trials.simulations.kinematic.herd import Herd, assemble
 from trials.simulations.kinematic.measures import measure
 from trials.streams import Purpose, stream
-from trials.types import Contacts, Trial, TrialResult, Updates
+from trials.types import Trial, TrialResult, no_contacts, no_updates
 
 
-def run_trial(trial: Trial, reraise: bool = False) -> TrialResult:
+def run_trial(trial: Trial, scans: str = "none", reraise: bool = False) -> TrialResult:
     """Runs one trial and measures it; the same `Trial` gives the same result.
 
     A law that gives what it must not ends the trial: `outcome` is then `failed`, `reason` says why, and only the start
@@ -29,7 +29,7 @@ def run_trial(trial: Trial, reraise: bool = False) -> TrialResult:
     times, poses_w, outcome, reason = np.zeros(1), herd.poses_w[None], "done", ""
     counted: dict[str, float] = {}
     try:
-        history = simulated(trial, herd, 1 if trial.links else herd.fields.every)
+        history = simulated(trial, herd, 1 if fields.links_of(trial) else herd.fields.every)
         times, poses_w = history.times, history.poses_w
     except LawFailedError as error:
         if reraise:
@@ -74,23 +74,6 @@ def _result(trial: Trial, herd: Herd, times: Floats, poses_w: Floats, outcome: s
     """A result with no updates, odometry or bumpers: a kinematic herd has none."""
     count = len(herd.poses_w)
     poses_w[..., 2] = np.unwrap(poses_w[..., 2], axis=0)
-    none, whole = np.empty(0), np.empty(0, np.int64)
-    updates = Updates(
-        times=none,
-        robots=whole,
-        kinds=whole,
-        rules=whole,
-        motions=np.empty((0, 2)),
-        poses_w=np.empty((0, 3)),
-        commands=np.empty((0, 2)),
-        input_starts=np.zeros(1, np.int64),
-        input_positions=np.empty((0, 2), np.float32),
-        input_owners=np.empty(0, np.int16),
-        member_states=np.empty((0, count), np.int8),
-        beams_lit=whole,
-        beams_missed=whole,
-        beams_made_up=whole,
-    )
     return TrialResult(
         trial=trial,
         times=times,
@@ -101,8 +84,9 @@ def _result(trial: Trial, herd: Herd, times: Floats, poses_w: Floats, outcome: s
         radii=np.repeat([band.radius_m for band in herd.bands], [band.count for band in herd.bands]),
         rules=(),
         walls_w=np.array(herd.space.place().walls),
-        updates=updates,
-        contacts=Contacts(none, whole, whole, np.empty((0, 2))),
+        period_m=float(herd.space.size_m) if herd.space.kind == "periodic" else np.nan,
+        updates=no_updates(count),
+        contacts=no_contacts(),
         scans=None,
         measures={},
         outcome=outcome,

@@ -40,6 +40,8 @@ ABOUT: dict[str, Measure] = {
     "goal_alignment": Measure("", "cosine between the way of the herd's centre and the direction of the goal"),
 }
 """Every measure, in the order in which they are shown."""
+KEY_MEASURES = ("polarization", "relative_speed", "mmd", "groups", "largest_share", "net_displacement")
+"""Those that a first look at a run needs."""
 
 
 def measure(result: TrialResult, herd: Herd) -> dict[str, float]:

@@ -6,9 +6,8 @@ import numpy as np
 import rerun.blueprint as rrb
 from numpy.typing import NDArray
 
-from trials.simulations.columns import TIMELINE
+from trials.simulations.columns import MEMBER_COLOURS, TIMELINE
 from trials.simulations.kinematic import fields
-from trials.simulations.robots.screen import ROBOT_COLOURS
 from trials.types import TrialResult
 
 TRAIL_SHARE = 0.1
@@ -27,13 +26,13 @@ def size_of(result: TrialResult) -> float:
 def colours(result: TrialResult) -> NDArray[np.uint32]:
     """(N,) packed: one colour for the informed of a group and one for its others; few members each have their own."""
     groups = result.trial.groups
-    if len(result.robot_names) <= len(ROBOT_COLOURS):
-        return ROBOT_COLOURS[: len(result.robot_names)]
+    if len(result.robot_names) <= len(MEMBER_COLOURS):
+        return MEMBER_COLOURS[: len(result.robot_names)]
     kinds: list[int] = []
     for number, group in enumerate(groups):
         informed = round(fields.of_group(group).informed_share * group.count)
         kinds += [2 * number] * informed + [2 * number + 1] * (group.count - informed)
-    return ROBOT_COLOURS[np.array(kinds) % len(ROBOT_COLOURS)]
+    return MEMBER_COLOURS[np.array(kinds) % len(MEMBER_COLOURS)]
 
 
 def blueprint(result: TrialResult) -> rrb.Blueprint:

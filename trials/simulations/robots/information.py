@@ -4,107 +4,35 @@ from what a robot knows of itself.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from types import ModuleType
-from typing import Any, NamedTuple
+from collections.abc import Iterable
 
-from flocking import found, lawentry, selection
-from flocking.errors import InputError, unknown_name
-from flocking.parameters import declared
+from flocking import lawentry
+from flocking.errors import InputError
 from flocking.perception import Step
-from trials.simulations.robots.knowledge import SOURCES
-from trials.simulations.robots.obstacle_stage import AS_LAW, CHOICES
-from trials.types import Group
-
-TWO_SCANS, NO_ASSOCIATION = ASSOCIATIONS = ("two-scans", "none")
-PIPELINES = "sensing.pipelines"
-INFERRED = frozenset({"velocities", "headings"})
-"""What association makes of positions."""
-OF_ITSELF = frozenset({"compass", "goal", "contacts"})
+from sensing.pipelines import INFERRED, all_pipelines, given_by
+from trials.simulations.robots.fields import TWO_SCANS
+from trials.simulations.robots.resolved import Resolved
 
 
-class Wanted(NamedTuple):
-    """What a group's law and its selections need, and what its robots must do to have it."""
-
-    needs: frozenset[str]
-    missing: frozenset[str]
-    """What the pipeline does not give."""
-    inferable: frozenset[str]
-    """What association gives of that."""
-    own_pose: bool
-    """Whether a robot must follow its own pose."""
-
-    @property
-    def associate(self) -> bool:
-        """Whether velocities or headings are to be inferred."""
-        return bool(self.inferable)
-
-
-def pipelines() -> dict[str, ModuleType]:
-    """All member detections by name."""
-    return {name: found.load(PIPELINES, name, "pipeline") for name in found.modules(PIPELINES)}
-
-
-def given(pipeline: ModuleType) -> frozenset[str]:
-    """What a pipeline gives: its `GIVES`, or positions and bearings where it does not say."""
-    return frozenset(getattr(pipeline, "GIVES", {"positions", "bearings", "obstacles"}))
-
-
-def parameters_of(group: Group) -> Any:
-    """The values with which a group of Creates runs its law: given, else for Creates, else the law's own."""
-    module = lawentry.module_of(group.law, group.law_source)
-    given = for_creates(module, group.law_parameters)
-    return lawentry.parameters_of(group.law, module, given, f"{group.name}.law.")
-
-
-def for_creates(law: ModuleType, given: Mapping[str, Any]) -> dict[str, Any]:
-    """The given parameters over those that the law's file names for Creates."""
-    return {**getattr(law, "CREATE", {}), **given}
-
-
-def selections(group: Group) -> list[list[selection.Chosen]]:
-    """The steps that make each of the law's sets, with numbers in place. Raises `InputError`."""
-    module = lawentry.module_of(group.law, group.law_source)
-    names = declared(module.Parameters)
-    sets = selection.parse_sets(group.selection, lawentry.sets_of(module), names)
-    values = parameters_of(group)._asdict()
-    return [selection.resolved(steps, values) for steps in sets]
-
-
-def wanted(group: Group) -> Wanted:
-    """Whether it can be had is for `check` to say. Raises `InputError` for names that do not exist."""
-    law = lawentry.module_of(group.law, group.law_source)
-    needs = lawentry.needs_of(law) | selection.needs(step for steps in selections(group) for step in steps)
-    if group.obstacles != AS_LAW:
-        needs |= {"obstacles"}
-    has = given(found.load(PIPELINES, group.pipeline, "pipeline"))
-    missing = needs - has - OF_ITSELF
-    inferable = missing & INFERRED if group.association == TWO_SCANS and "positions" in has else frozenset()
-    return Wanted(needs, missing, inferable, bool(needs & {"compass", "goal"}) or bool(inferable))
-
-
-def check(group: Group) -> None:
+def check(resolved: Resolved) -> None:
     """Raises `InputError`, in one line that says what is missing and what gives it."""
-    for kind, choices in (("own_motion", SOURCES), ("association", ASSOCIATIONS), ("obstacles", CHOICES)):
-        if getattr(group, kind) not in choices:
-            raise unknown_name(kind, getattr(group, kind), choices)
-    sets = lawentry.sets_of(lawentry.module_of(group.law, group.law_source))
-    for name, steps in zip(sets, selections(group), strict=True):
+    group, associates = resolved.group, resolved.associates
+    for name, steps in zip(lawentry.sets_of(resolved.law), resolved.selections, strict=True):
         if any(chosen.step is Step.GRAPH for chosen in steps):
             ids = ", ".join(map(str, range(group.count)))
             raise InputError(
                 f"law {group.law!r} selects its set {name!r} by fixed-set without ids, and robots have no graph; "
                 f"expected ids: --set '{group.name}.selection=\"{name}: fixed-set({ids})\"'"
             )
-    _, missing, inferable, _ = wanted(group)
+    _, missing, inferable, _ = resolved.wanted
     if missing == inferable:
         return
     ways = []
-    if missing <= INFERRED and group.association != TWO_SCANS:
+    if missing <= INFERRED and not associates:
         ways.append(f"association (--set {group.name}.association={TWO_SCANS})")
-    for name, pipeline in pipelines().items():
-        has = given(pipeline)
-        inferred = INFERRED if group.association == TWO_SCANS and "positions" in has else frozenset()
+    for name, pipeline in all_pipelines().items():
+        has = given_by(pipeline)
+        inferred = INFERRED if associates and "positions" in has else frozenset()
         if missing <= has | inferred:
             ways.append(f"pipeline {name}")
     raise InputError(

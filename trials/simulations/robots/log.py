@@ -110,6 +110,7 @@ class Log:
             radii=radii,
             rules=rules,
             walls_w=walls_w,
+            period_m=np.nan,
             updates=self._updates(),
             contacts=_contacts(contacts),
             scans=self._scans(),

@@ -12,6 +12,7 @@ from flocking.errors import InputError
 from flocking.types import Floats
 from sensing.truth import judge
 from trials.simulations import watch
+from trials.simulations.robots.fields import of_trial
 from trials.simulations.robots.herd import Herd, assemble
 from trials.simulations.robots.log import SAMPLE_S, Log
 from trials.simulations.robots.robot import LawError
@@ -38,12 +39,13 @@ def run_trial(trial: Trial, scans: str = "none", reraise: bool = False) -> Trial
     if scans not in ("none", "some", "all"):
         raise InputError(f"scans {scans!r}: expected none, some or all")
     started = perf_counter()
+    given = of_trial(trial)
     herd = assemble(trial, record=scans != "none")
     log = Log(trial, len(herd.robots), scans)
     built = perf_counter()
     outcome, reason = "done", ""
     try:
-        run(herd, log, last=round(trial.duration_s / trial.timestep_s))
+        run(herd, log, last=round(given.duration_s / given.timestep_s))
     except Exception as error:
         if reraise:
             raise

@@ -1,7 +1,7 @@
 """What is measured in one trial: numbers, each finite or nan (nan = there was nothing to measure it on).
 
 Source of what is measured: Fine 2015, sections 2.4 and 2.5 (inputs, behaviour, smoothness, false negatives
-and positives); the choices that it leaves open are named below and in docs/detection-case-study.md.
+and positives); the choices that it leaves open are named below and in docs/detection.md.
 """
 
 from __future__ import annotations
@@ -82,7 +82,26 @@ ABOUT: dict[str, Measure] = {
     "blind_turn_rad_s": Measure("rad/s", "turn rate of robots that have seen nobody for half a second, mean"),
 }
 """Every measure, in the order in which they are shown."""
-
+KEY_MEASURES = (
+    "acts_as_snn_share",
+    "reverted_share",
+    "effective_ha_share",
+    "straightness",
+    "smoothness",
+    "fn_share",
+    "fp_update_share",
+    "mmd",
+)
+"""Those that a first look at a run needs."""
+HEADINGS = {
+    "acts_as_snn_share": "acts\nas SNN",
+    "reverted_share": "computes\nSNN",
+    "straightness": "straight",
+    "smoothness": "smoothness\nm2",
+    "fn_share": "false\nneg.",
+    "fp_update_share": "false\npos.",
+}
+"""Those that fit on a terminal, and the headings of their columns."""
 
 LATE = (
     "polarization",

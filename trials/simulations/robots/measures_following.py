@@ -11,7 +11,7 @@ import numpy as np
 
 from flocking import selection
 from flocking.types import Bools, Floats, Ints, Kind, Members
-from trials.simulations.robots.information import selections
+from trials.simulations.robots.resolved import Resolved
 from trials.types import TrialResult, Updates
 
 SETTLED_S = 0.5
@@ -24,7 +24,7 @@ def followed(result: TrialResult) -> Ints:
     chosen = np.full(len(updates.times), -1, dtype=np.int64)
     first = 0
     for group in result.trial.groups:
-        sets = selections(group)
+        sets = Resolved(group).selections
         own = (updates.robots >= first) & (updates.robots < first + group.count) & (updates.kinds == Kind.WAY_POINT)
         if not any(sets):  # everybody is selected
             own &= _of_one_owner(updates)

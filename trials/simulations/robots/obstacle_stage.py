@@ -9,12 +9,11 @@ from __future__ import annotations
 import numpy as np
 
 from flocking import avoidance, obstacle_selection
-from flocking.parameters import filled
 from flocking.types import Floats, Motion, Obstacles, only
 from sensing.types import Detection
-from trials.types import Group
+from trials.simulations.robots.fields import AVOID, VIRTUAL
+from trials.simulations.robots.resolved import Resolved
 
-AS_LAW, AVOID, VIRTUAL = CHOICES = ("as-law", "avoid", "virtual-members")
 AVOIDING = "avoiding"
 """Name of the rule that speaks where the added avoidance turned a motion."""
 
@@ -22,12 +21,13 @@ AVOIDING = "avoiding"
 class ObstacleStage:
     """Of one group."""
 
-    def __init__(self, group: Group, needs: frozenset[str]) -> None:
-        """`needs`: what the law and its selections read of members; raises `InputError`."""
-        self.steps = obstacle_selection.parse(group.obstacle_selection)
-        self.parameters = filled(avoidance.Parameters, group.avoidance_parameters, prefix=f"{group.name}.avoidance.")
-        self.avoids = group.obstacles == AVOID
-        self.virtual = group.obstacles == VIRTUAL
+    def __init__(self, resolved: Resolved) -> None:
+        """Raises `InputError`."""
+        given, needs = resolved.given, resolved.wanted.needs
+        self.steps = obstacle_selection.parse(given.obstacle_selection)
+        self.parameters = resolved.avoidance
+        self.avoids = given.obstacles == AVOID
+        self.virtual = given.obstacles == VIRTUAL
         self.acts = self.virtual or bool(self.steps)
         self._needs_headings = "headings" in needs
 

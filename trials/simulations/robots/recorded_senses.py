@@ -7,7 +7,7 @@ import rerun as rr
 from numpy.typing import NDArray
 
 from flocking.types import Bools, Floats, Ints, Kind
-from trials.simulations.columns import in_world, nanoseconds, packed, series, spans, times_column
+from trials.simulations.columns import in_world, member_colours, nanoseconds, packed, series, spans, times_column
 from trials.simulations.robots import screen
 from trials.simulations.robots.measures import nearest_inputs
 from trials.types import TrialResult, Updates
@@ -32,7 +32,7 @@ def send_updates(recording: rr.RecordingStream, result: TrialResult) -> None:
     updates = result.updates
     if len(updates.times) == 0:
         return
-    colours = screen.robot_colours(len(result.robot_names))
+    colours = member_colours(len(result.robot_names))
     legend = screen.rule_colours(result)
     way_points_w = in_world(updates.motions, updates.poses_w).astype(np.float32)
     origins = updates.poses_w[:, :2].astype(np.float32)

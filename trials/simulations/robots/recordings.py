@@ -28,9 +28,10 @@ from numpy.typing import NDArray
 
 from flocking.measures import formation
 from flocking.types import Bools, Floats
-from trials.simulations.columns import packed, series, times_column
+from trials.simulations.columns import member_colours, packed, series, times_column
 from trials.simulations.recording_file import opened
 from trials.simulations.robots import recorded_senses, screen
+from trials.simulations.robots.fields import of_trial
 from trials.simulations.robots.measures import GROUP_CUT_M
 from trials.types import TrialResult
 
@@ -75,7 +76,7 @@ def _robots(recording: rr.RecordingStream, result: TrialResult) -> None:
     """Poses, bodies, ways, and the view that follows the herd."""
     sound = np.isfinite(result.poses_w).all(axis=(1, 2))
     times, poses = result.times[sound], result.poses_w[sound]
-    colours = screen.robot_colours(len(result.robot_names))
+    colours = member_colours(len(result.robot_names))
     flat = np.concatenate([poses[..., :2], np.zeros_like(poses[..., :1])], axis=2).astype(np.float32)
     turned = np.zeros((*poses.shape[:2], 4), dtype=np.float32)
     turned[..., 2], turned[..., 3] = np.sin(poses[..., 2] / 2.0), np.cos(poses[..., 2] / 2.0)
@@ -204,7 +205,7 @@ def rule_shares(result: TrialResult) -> dict[str, tuple[Floats, Floats]]:
     counts = np.zeros((window.max() + 1, len(names)))
     np.add.at(counts, (window, spoke), 1.0)
     some = counts.sum(axis=1) > 0
-    ends = np.minimum((np.flatnonzero(some) + 1) * SHARE_S, max(updates.times[-1], result.trial.duration_s))
+    ends = np.minimum((np.flatnonzero(some) + 1) * SHARE_S, max(updates.times[-1], of_trial(result.trial).duration_s))
     shares = counts[some] / counts[some].sum(axis=1, keepdims=True)
     return {name: (ends, shares[:, i]) for i, name in enumerate(names)}
 

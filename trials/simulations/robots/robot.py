@@ -15,11 +15,11 @@ from flocking.lawentry import MOTIONS_WITHOUT_NUMBERS, OWN_SIZE, Law
 from flocking.types import Bools, Floats, Kind, Members, Motion, Own
 from robots.body import Body, Fleet
 from sensing.association import Association
+from sensing.laser.draws import intensity_draws, range_draws
 from sensing.laser.hokuyo import PERIOD_S, Lasers
 from sensing.types import Detection, PipelineState, Scan, ScanTruth, Senses, WorldTruth
 from trials.simulations.robots.knowledge import COMPASS, GOAL, Knowledge
 from trials.simulations.robots.obstacle_stage import AVOIDING, ObstacleStage
-from trials.types import Group
 
 _AHEAD = 64
 """Updates for which a law's random numbers are drawn at once."""
@@ -41,7 +41,8 @@ class Robot:
 
     index: int
     name: str
-    group: Group
+    cruise_m_s: float
+    """Speed towards a way-point."""
     period: int
     """Ticks between updates."""
     latency: int
@@ -86,6 +87,7 @@ class Robot:
         self._reads_intensity = "intensity" in self.reads
         self._reads_owners = "owners" in self.reads
         self._reads_scan = self._reads_intensity or "scan" in self.reads
+        self._range_draws, self._intensity_draws = range_draws(self.range_rng), intensity_draws(self.intensity_rng)
         lasers = self.lasers
         self._free_intensity = lasers is not None and lasers.parameters[self.index].intensity_mode == "ideal"
         self._own_row[8], self._own_row[9], self._own_row[10] = self.dt, self.index, self.role
@@ -112,8 +114,10 @@ class Robot:
         if time - self._scanned < PERIOD_S - 1e-9 and self._last_scan is not None:
             scan, scan_truth = self._last_scan
             return Senses(scan, truth, scan_truth.owners if self._reads_owners else None), scan_truth
-        rng = self.intensity_rng if self._reads_intensity or (record and self._free_intensity) else None
-        scan, scan_truth = self._last_scan = self.lasers.read(data, self.index, time, self.range_rng, rng)
+        light = self._intensity_draws if self._reads_intensity or (record and self._free_intensity) else None
+        scan, scan_truth = self._last_scan = self.lasers.read(
+            data, self.index, time, self._range_draws, light, exact=False
+        )
         self._scanned = time
         return Senses(scan, truth, scan_truth.owners if self._reads_owners else None), scan_truth
 
@@ -191,7 +195,7 @@ class Robot:
     def drive(self, motion: Motion) -> tuple[float, float]:
         """Stage 5, first half: what the wheels shall do; takes effect when `apply` is called after the latency."""
         self.command = self.body.follow(
-            motion.kind, motion.x, motion.y, self.group.speed_m_s, self.command[0], self.command[1], self.dt
+            motion.kind, motion.x, motion.y, self.cruise_m_s, self.command[0], self.command[1], self.dt
         )
         return self.command
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import rerun.blueprint as rrb
-from numpy.typing import NDArray
 
 from flocking.types import Floats
 from trials.simulations.columns import TIMELINE
+from trials.simulations.robots.fields import of_group, of_trial
 from trials.types import TrialResult
 
 TRAIL_S = 15.0
@@ -15,18 +15,9 @@ TRAIL_S = 15.0
 CONTACT_S = 1.5
 """How long a contact stays in sight."""
 
-ROBOT_COLOURS = np.array(
-    [0xE69F00FF, 0x56B4E9FF, 0x2FBF8FFF, 0xF0E442FF, 0xF0703AFF, 0xD58BB8FF, 0x7D9BFFFF, 0xB8C4CEFF], np.uint32
-)
-"""After Okabe and Ito 2008, which colour-blind people can tell apart; the dark ones lightened."""
 IDLE_COLOUR = 0x6B7280FF
 """Of the rule `none`."""
 RULE_COLOURS = (0x3B9BFFFF, 0xFFB000FF, 0xDC267FFF, 0x44C26DFF, 0xA678F0FF, 0x2ED1C9FF)
-
-
-def robot_colours(count: int) -> NDArray[np.uint32]:
-    """(N,) packed colours; they repeat beyond eight robots."""
-    return ROBOT_COLOURS[np.arange(count) % len(ROBOT_COLOURS)]
 
 
 def rule_names(result: TrialResult) -> list[str]:
@@ -92,18 +83,19 @@ def blueprint(result: TrialResult) -> rrb.Blueprint:
 
 def about(result: TrialResult) -> str:
     """The trial in words (Markdown)."""
-    trial = result.trial
+    trial, given = result.trial, of_trial(result.trial)
     lines = [
         f"# {trial.experiment}, trial {trial.index}",
         f"Seed {trial.seed}, repeat {trial.repeat}; {trial.world}, formation {trial.formation}; "
-        f"{trial.duration_s:g} s in steps of {trial.timestep_s:g} s.",
+        f"{given.duration_s:g} s in steps of {given.timestep_s:g} s.",
         f"**{result.outcome}**{': ' + result.reason if result.reason else ''}",
         "",
     ]
     lines += [f"- `{key}` = {value}" for key, value in trial.conditions.items()]
     lines += [
-        f"- {group.count} x {group.name}: {group.body}, {group.sensors} laser, {group.pipeline}, {group.law}"
+        f"- {group.count} x {group.name}: {given.body}, {given.sensors} laser, {group.pipeline}, {group.law}"
         for group in trial.groups
+        for given in (of_group(group),)
     ]
     if result.measures:
         lines += ["", "| measure | value |", "|---|---|"]

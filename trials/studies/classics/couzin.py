@@ -14,7 +14,9 @@ from typing import Any
 import numpy as np
 
 from flocking.types import Floats
-from trials.evidence.claims import Cells, Entry, Outcome, Question, Run, UndecidedError, answered, arms, more, published
+from trials.evidence.claims import Entry, Question, all_must_hold, answers, claim_of
+from trials.evidence.outcomes import Outcome, more
+from trials.evidence.runs import Cells, Run, UndecidedError, arms
 from trials.evidence.statistics import slopes
 from trials.evidence.summary import named
 from trials.reports import figures as draw
@@ -32,21 +34,17 @@ FEW = 0.05
 
 def claims(run: Run) -> list[Entry]:
     """Two entries for each arm of the run."""
-    told, entries = published(__package__, "couzin2005", "figure_1"), []
-    tests = (
-        (
-            "for every size: slope of the accuracy over all shares with somebody informed, above 0",
-            _rises,
-        ),
-        (f"slope of the accuracy over the logarithm of the size above 0, for the shares up to {FEW:g}", _sizes),
-    )
-    for arm, trials in arms(run, KEYS):
-        cells = Cells(trials, run.rows(), KEYS)
-        for number, (test, outcomes) in enumerate(tests):
-            source = f"couzin2005 figure_1, claim {number + 1} ({told['sections'][number]})"
-            question = Question(source, "accuracy", told["claims"][number], test, partial(outcomes, cells))
-            entries.append(answered(question, cells, arm))
-    return entries
+    return answers(run, KEYS, _questions)
+
+
+def _questions(cells: Cells) -> list[Question]:
+    rises = "for every size: slope of the accuracy over all shares with somebody informed, above 0"
+    sizes = f"slope of the accuracy over the logarithm of the size above 0, for the shares up to {FEW:g}"
+    judges = (all_must_hold(rises, partial(_rises, cells)), all_must_hold(sizes, partial(_sizes, cells)))
+    return [
+        claim_of(__package__, "couzin2005", "figure_1", number, "accuracy", judge)
+        for number, judge in enumerate(judges, start=1)
+    ]
 
 
 def _informed(count: int, share: float) -> int:

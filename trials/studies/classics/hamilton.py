@@ -10,8 +10,9 @@ from __future__ import annotations
 from functools import partial
 from pathlib import Path
 
-from flocking.types import Floats
-from trials.evidence.claims import Cells, Entry, Outcome, Question, Run, above, answered, arms, more, near, published
+from trials.evidence.claims import Entry, Question, all_must_hold, answers, claim_of
+from trials.evidence.outcomes import Outcome, above, more, near
+from trials.evidence.runs import Cells, Run
 from trials.reports import figures as draw
 from trials.reports.figures import Figure
 from trials.reports.ways import first_result, ways
@@ -27,55 +28,29 @@ GROUPS_MARGIN, SHARE_MARGIN, SPREAD_MARGIN_M = 0.5, 0.1, 0.5
 
 def claims(run: Run) -> list[Entry]:
     """An entry for each rule's small groups and one for the merging, for each arm of the run."""
-    told, entries = published(__package__, "fine2015", "hamilton_claims"), []
-    for arm, trials in arms(run, (LAW,)):
-        cells = Cells(trials, run.rows(), (LAW,))
-        for law in ORIGINAL:
-            entries.append(
-                answered(
-                    Question(
-                        f"fine2015 hamilton_claims, claim 1 (section {told['sections'][0]})",
-                        law,
-                        told["claims"][0],
-                        f"more than {MANY:g} groups at the end, the largest of less than half of the members",
-                        partial(_small, cells, law),
-                    ),
-                    cells,
-                    arm,
-                )
-            )
-        entries.append(
-            answered(
-                Question(
-                    f"fine2015 hamilton_claims, claim 2 (section {told['sections'][1]})",
-                    MERGING,
-                    told["claims"][1],
-                    f"one group within ±{GROUPS_MARGIN:g} (two one-sided tests), nearer together than at the start",
-                    partial(_single, cells),
-                ),
-                cells,
-                arm,
-            )
-        )
-    return entries
+    return answers(run, (LAW,), _questions)
 
 
-def _values(cells: Cells, measure: str, law: str) -> Floats:
-    return cells.array(measure, law)
+def _questions(cells: Cells) -> list[Question]:
+    small = f"more than {MANY:g} groups at the end, the largest of less than half of the members"
+    single = f"one group within ±{GROUPS_MARGIN:g} (two one-sided tests), nearer together than at the start"
+    asked = [(1, law, all_must_hold(small, partial(_small, cells, law))) for law in ORIGINAL]
+    asked.append((2, MERGING, all_must_hold(single, partial(_single, cells))))
+    return [claim_of(__package__, "fine2015", "hamilton_claims", number, law, judge) for number, law, judge in asked]
 
 
 def _small(cells: Cells, law: str) -> list[Outcome]:
-    free = 1.0 - _values(cells, "largest_share_end", law)
+    free = 1.0 - cells.array("largest_share_end", law)
     return [
-        above(f"groups at the end, {law}", _values(cells, "groups_end", law), MANY, GROUPS_MARGIN),
+        above(f"groups at the end, {law}", cells.array("groups_end", law), MANY, GROUPS_MARGIN),
         above(f"share of the members outside the largest group, {law}", free, HALF, SHARE_MARGIN),
     ]
 
 
 def _single(cells: Cells) -> list[Outcome]:
-    shrunk = _values(cells, "mmd_start", MERGING) - _values(cells, "mmd_end", MERGING)
+    shrunk = cells.array("mmd_start", MERGING) - cells.array("mmd_end", MERGING)
     return [
-        near("groups at the end", _values(cells, "groups_end", MERGING), 1.0, GROUPS_MARGIN),
+        near("groups at the end", cells.array("groups_end", MERGING), 1.0, GROUPS_MARGIN),
         more("MMD at the start less that at the end, m", shrunk, SPREAD_MARGIN_M),
     ]
 

@@ -11,7 +11,9 @@ from functools import partial
 from itertools import pairwise
 from pathlib import Path
 
-from trials.evidence.claims import Cells, Entry, Outcome, Question, Run, above, answered, arms, more, published
+from trials.evidence.claims import Entry, Question, all_must_hold, answers, claim_of
+from trials.evidence.outcomes import Outcome, above, more
+from trials.evidence.runs import Cells, Run
 from trials.reports import figures as draw
 from trials.reports.figures import Figure
 from trials.reports.ways import curve_of, curves
@@ -25,18 +27,17 @@ MEMBERS, QUIET, LOUD, LARGE_NOISE = 400, 0.1, 5.0, 4.0
 
 def claims(run: Run) -> list[Entry]:
     """Two entries for each arm of the run."""
-    told, entries = published(__package__, "vicsek1995", "figure_2"), []
-    tests = (
-        (f"N {MEMBERS}: order above {ORDERED} at noise {QUIET:g} and below {DISORDERED} at noise {LOUD:g}", _falls),
-        (f"paired differences above 0, at every noise of at least {LARGE_NOISE:g} and from size to size", _sizes),
-    )
-    for arm, trials in arms(run, KEYS):
-        cells = Cells(trials, run.rows(), KEYS)
-        for number, (test, outcomes) in enumerate(tests):
-            source = f"vicsek1995 figure_2, claim {number + 1} ({told['sections'][number]})"
-            question = Question(source, "order", told["claims"][number], test, partial(outcomes, cells))
-            entries.append(answered(question, cells, arm))
-    return entries
+    return answers(run, KEYS, _questions)
+
+
+def _questions(cells: Cells) -> list[Question]:
+    falls = f"N {MEMBERS}: order above {ORDERED} at noise {QUIET:g} and below {DISORDERED} at noise {LOUD:g}"
+    sizes = f"paired differences above 0, at every noise of at least {LARGE_NOISE:g} and from size to size"
+    judges = (all_must_hold(falls, partial(_falls, cells)), all_must_hold(sizes, partial(_sizes, cells)))
+    return [
+        claim_of(__package__, "vicsek1995", "figure_2", number, "order", judge)
+        for number, judge in enumerate(judges, start=1)
+    ]
 
 
 def _falls(cells: Cells) -> list[Outcome]:

@@ -10,7 +10,9 @@ from __future__ import annotations
 
 from functools import partial
 
-from trials.evidence.claims import Cells, Entry, Outcome, Question, Run, answered, arms, near, published, same
+from trials.evidence.claims import Entry, Question, all_must_hold, answers, claim_of, published
+from trials.evidence.outcomes import Outcome, near, same
+from trials.evidence.runs import Cells, Run
 
 KEYS = ("formation", "herd.law", "herd.selection")
 MEASURE = "mmd_end"
@@ -22,15 +24,11 @@ SOURCE = "fine2015 table_4_1"
 
 def claims(run: Run) -> list[Entry]:
     """An entry for each of the table's eight cells and one for the ranges, for each arm of the run."""
-    entries = []
-    for arm, trials in arms(run, KEYS):
-        cells = Cells(trials, run.rows(), KEYS)
-        entries += [answered(question, cells, arm) for question in _questions(cells)]
-    return entries
+    return answers(run, KEYS, _questions)
 
 
 def _questions(cells: Cells) -> list[Question]:
-    table, told = published(__package__, "fine2015", "table_4_1"), published(__package__, "fine2015", "lch_claims")
+    table = published(__package__, "fine2015", "table_4_1")
     found = []
     for formation, margin in MARGINS.items():
         for variation, value in table[formation.replace("-", "_")].items():
@@ -39,21 +37,19 @@ def _questions(cells: Cells) -> list[Question]:
                 Question(
                     source=f"{SOURCE} (section 4.3)",
                     quantity=f"{formation}, {name}",
-                    words=f"MMD of {name} from a {formation} start, range 3: {value:g}",
-                    test=f"mean of the trials within ±{margin:g} of it (two one-sided tests)",
-                    outcomes=partial(_cell, cells, formation, f"lch-{name}", value, margin),
+                    claim=f"MMD of {name} from a {formation} start, range {table['sensing_ranges'][0]:g}: {value:g}",
+                    judge=all_must_hold(
+                        f"mean of the trials within ±{margin:g} of it (two one-sided tests)",
+                        partial(_cell, cells, formation, f"lch-{name}", value, margin),
+                    ),
+                    published=value,
                 )
             )
-    found.append(
-        Question(
-            source=f"fine2015 lch_claims, claim 1 (section {told['sections'][0]})",
-            quantity="range 3000 less range 3",
-            words=told["claims"][0],
-            test="every paired difference within its margin (two one-sided tests); all eight must be",
-            outcomes=partial(_ranges, cells, list(table["single_group"])),
-        )
+    judge = all_must_hold(
+        "every paired difference within its margin (two one-sided tests); all eight must be",
+        partial(_ranges, cells, list(table["single_group"])),
     )
-    return found
+    return [*found, claim_of(__package__, "fine2015", "lch_claims", 1, "range 3000 less range 3", judge)]
 
 
 def _cell(cells: Cells, formation: str, law: str, value: float, margin: float) -> list[Outcome]:

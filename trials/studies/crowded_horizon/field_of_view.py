@@ -13,7 +13,9 @@ from pathlib import Path
 
 from flocking import lawentry
 from flocking.parameters import filled
-from trials.evidence.claims import Cells, Entry, Outcome, Question, Run, answered, arms, more, published
+from trials.evidence.claims import Entry, Question, all_must_hold, answers, claim_of
+from trials.evidence.outcomes import Outcome, more
+from trials.evidence.runs import Cells, Run
 from trials.reports import figures as draw
 from trials.reports.figures import Figure
 from trials.reports.ways import first_result, ways
@@ -28,19 +30,16 @@ DIRECTED_MARGIN = 0.1
 
 def claims(run: Run) -> list[Entry]:
     """One entry for each arm of the run."""
-    told, entries = published(__package__, "fine2015", "lch_claims"), []
-    for arm, trials in arms(run, (SELECTION,)):
-        cells = Cells(trials, run.rows(), (SELECTION,))
-        margin = random_walk_m(trials[0])
-        question = Question(
-            f"fine2015 lch_claims, claim 3 (section {told['sections'][2]})",
-            "240 degrees less all around",
-            told["claims"][2],
-            f"paired differences above 0, of at least {margin:.2f} m and {DIRECTED_MARGIN:g} to count",
-            partial(_directional, cells, margin),
-        )
-        entries.append(answered(question, cells, arm))
-    return entries
+    return answers(run, (SELECTION,), _questions)
+
+
+def _questions(cells: Cells) -> list[Question]:
+    margin = random_walk_m(cells.trials[0])
+    judge = all_must_hold(
+        f"paired differences above 0, of at least {margin:.2f} m and {DIRECTED_MARGIN:g} to count",
+        partial(_directional, cells, margin),
+    )
+    return [claim_of(__package__, "fine2015", "lch_claims", 3, "240 degrees less all around", judge)]
 
 
 def random_walk_m(trial: Trial) -> float:

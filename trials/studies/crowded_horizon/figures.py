@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from trials.evidence.claims import Run
+from trials.evidence.runs import Run
 from trials.reports import figures as draw
 from trials.reports.figures import Figure
 from trials.reports.ways import first_result, ways

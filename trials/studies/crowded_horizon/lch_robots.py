@@ -12,10 +12,11 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from flocking.parameters import Parameter
+from trials.simulations.robots.fields import group, trial
 from trials.studies.crowded_horizon.figures import VARIATIONS
 from trials.studies.crowded_horizon.robots_claims import LAW, THRESHOLDS, claims
 from trials.studies.crowded_horizon.robots_figures import figures
-from trials.types import Group, Trial, Value
+from trials.types import Trial, Value
 
 REPEATS = 10
 RECORD = "first"
@@ -51,15 +52,12 @@ def cells(conditions: Mapping[str, Sequence[Any]]) -> list[dict[str, Value]]:
 
 def base(repeat: int) -> Trial:
     """Four robots on the open floor."""
-    return Trial(
-        experiment="lch-robots",
-        index=1,
-        seed=1,
-        repeat=repeat,
+    return trial(
+        "lch-robots",
+        repeat,
+        [group("lch-member-pose", 4, law_parameters={"keeps_direction": True})],
         world="open-floor",
-        formation="single-group",
         duration_s=60.0,
-        groups=(Group(count=4, law="lch-member-pose", law_parameters={"keeps_direction": True}),),
     )
 
 

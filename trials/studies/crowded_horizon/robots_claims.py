@@ -17,23 +17,16 @@ from itertools import combinations
 
 import numpy as np
 
-from trials.evidence.claims import (
-    Cells,
-    Entry,
-    Outcome,
-    Question,
-    Run,
-    above,
-    answered,
-    arms,
-    more,
-    near,
-    published,
-    same,
-)
+from trials.evidence.claims import Entry, Question, all_must_hold, answers, published
+from trials.evidence.outcomes import Outcome, above, more, near, same
+from trials.evidence.runs import Cells, Run
 
 LAW = "herd.law"
-THRESHOLDS = {"pose": ("herd.law.st_m", 0.5), "bearing": ("herd.law.st_deg", 10.0)}
+SIMULATED = published(__package__, "fine2015", "table_4_1")
+THRESHOLDS = {
+    "pose": ("herd.law.st_m", float(SIMULATED["st_distance"])),
+    "bearing": ("herd.law.st_deg", float(SIMULATED["st_angular_deg"])),
+}
 """Of the group-centric variations: figure 4.5's, for simulated members; the robots' own are twice as wide, since the
 robots of the starting formation stand a metre apart: at half a metre each of them is a group by itself."""
 KEYS = (LAW, *(key for key, _ in THRESHOLDS.values()))
@@ -58,11 +51,7 @@ SOURCE = "fine2015 lch_claims"
 
 def claims(run: Run) -> list[Entry]:
     """Six entries for each arm of the run."""
-    entries = []
-    for arm, trials in arms(run, KEYS):
-        cells = Cells(trials, run.rows(), KEYS)
-        entries += [answered(question, cells, arm) for question in _questions(cells)]
-    return entries
+    return answers(run, KEYS, _questions)
 
 
 def _questions(cells: Cells) -> list[Question]:
@@ -71,24 +60,30 @@ def _questions(cells: Cells) -> list[Question]:
         Question(
             source=f"{SOURCE}, claim 2 (section 4.2)",
             quantity="differences of two variations",
-            words=told[1],
-            test="every pair within the margin of every measure (two one-sided tests, paired); all 30 must be",
-            outcomes=partial(_same, cells),
+            claim=told[1],
+            judge=all_must_hold(
+                "every pair within the margin of every measure (two one-sided tests, paired); all 30 must be",
+                partial(_same, cells),
+            ),
         ),
         Question(
             source=f"{SOURCE}, claim 3, its second half (section 4.2, figure 4.3a)",
             quantity="half a second after nobody is seen any more",
-            words=told[2],
-            test=f"turn rate, mean of the variations, within ±{STRAIGHT_RAD_S:g} rad/s of 0 (two one-sided tests)",
-            outcomes=partial(_kept, cells),
+            claim=told[2],
+            judge=all_must_hold(
+                f"turn rate, mean of the variations, within ±{STRAIGHT_RAD_S:g} rad/s of 0 (two one-sided tests)",
+                partial(_kept, cells),
+            ),
         ),
         *(
             Question(
                 source=f"{SOURCE}, claim 4 (section 4.2, figure 4.3b)",
                 quantity=f"way-points made from one member, {information}{told_of}",
-                words=told[3],
-                test="share above a half, and above that of the member-centric variation (paired); both must be",
-                outcomes=partial(_following, cells, information, threshold),
+                claim=told[3],
+                judge=all_must_hold(
+                    "share above a half, and above that of the member-centric variation (paired); both must be",
+                    partial(_following, cells, information, threshold),
+                ),
             )
             for information, (key, value) in THRESHOLDS.items()
             for threshold, told_of in ((None, ""), (value, f" with figure 4.5's {key.rsplit('.', 1)[-1]} {value:g}"))
@@ -118,8 +113,7 @@ def _kept(cells: Cells) -> list[Outcome]:
 
 def laws_of(cells: Cells) -> list[str]:
     """The variations that a run has with the robots' own thresholds."""
-    planned = {tuple(trial.conditions.get(key) for key in KEYS) for trial in cells.trials}
-    return [law for law in cells.levels(LAW) if cell(law) in planned]
+    return [law for law in cells.levels(LAW) if cell(law) in cells.planned()]
 
 
 def cell(law: str, threshold: float | None = None) -> tuple[str | float | None, ...]:

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from trials.evidence.claims import Run
+from trials.evidence.runs import Run
 from trials.reports import figures as draw
 from trials.reports.figures import ROBOT_COLOURS, Canvas, Figure
 from trials.reports.ways import first_result

@@ -7,9 +7,10 @@ one is a choice. Repeat r has the same formation, start and noise in all nine ce
 from __future__ import annotations
 
 from flocking.parameters import Parameter
+from trials.simulations.robots.fields import group, trial
 from trials.studies.detection.claims import claims
 from trials.studies.detection.figures import figures
-from trials.types import Group, Trial
+from trials.types import Trial
 from worlds.formations import FORMATIONS
 
 REPEATS = 7
@@ -24,16 +25,8 @@ SOURCES = {
 
 def base(repeat: int) -> Trial:
     """Six robots in the corridor; the three formations take turns."""
-    return Trial(
-        experiment="detection-case-study",
-        index=1,
-        seed=1,
-        repeat=repeat,
-        world="corridor",
-        formation=list(FORMATIONS)[(repeat - 1) % len(FORMATIONS)],
-        duration_s=60.0,
-        groups=(Group(),),
-    )
+    formation = list(FORMATIONS)[(repeat - 1) % len(FORMATIONS)]
+    return trial("detection-case-study", repeat, [group()], formation=formation, duration_s=60.0)
 
 
 __all__ = ["CONDITIONS", "REPEATS", "SOURCES", "base", "claims", "figures"]

@@ -11,7 +11,7 @@ from __future__ import annotations
 import dataclasses
 
 from trials.studies.detection import detection_case_study
-from trials.types import Trial
+from trials.types import Trial, with_setup
 
 REPEATS = 12
 CONDITIONS = {
@@ -30,5 +30,5 @@ CONDITIONS = {
 def base(repeat: int) -> Trial:
     """The case study's trial with sensors that do not err."""
     trial = detection_case_study.base(repeat)
-    groups = tuple(dataclasses.replace(group, sensors="ideal") for group in trial.groups)
+    groups = tuple(with_setup(group, {"sensors": "ideal"}) for group in trial.groups)
     return dataclasses.replace(trial, experiment="detection-ideal", groups=groups)

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import itertools
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from flocking.errors import InputError
-from trials.evidence.claims import Run, arms
+from trials.evidence.runs import Run, arms
 from trials.reports import figures as draw
-from trials.reports.figures import Figure
+from trials.reports.figures import Canvas, Figure
 from trials.studies.detection.judges import EXCLUSION, KEYS, MEMBER, PIPELINE, SENSOR
 from trials.types import Trial, TrialResult
 
@@ -16,55 +20,60 @@ PUBLISHED = ((MEMBER, 0.0, "2.6"), (SENSOR, 0.0, "2.7"), (SENSOR, 0.5, "2.8"), (
 """Cells of the publication's figures of inputs."""
 
 
+class Shown:
+    """The series of the finished trials of one arm, each read once."""
+
+    def __init__(self, run: Run, trials: Sequence[Trial]) -> None:
+        done = {row.index for row in run.rows() if row.status == "done"}
+        self._run = run
+        self._finished = [trial for trial in trials if trial.index in done]
+        self._read: dict[int, TrialResult | None] = {}
+
+    def first(
+        self, pipeline: Any, exclusion: Any, repeat: int | None = None, formation: str | None = None
+    ) -> TrialResult | None:
+        """Of the first finished trial of a cell, of any repeat and formation unless told; None if there is none."""
+        for trial in self._finished:
+            cell = (trial.conditions.get(PIPELINE), trial.conditions.get(EXCLUSION))
+            if (
+                cell == (pipeline, exclusion)
+                and repeat in (None, trial.repeat)
+                and formation in (None, trial.formation)
+            ):
+                return self._series(trial.index)
+        return None
+
+    def _series(self, index: int) -> TrialResult | None:
+        if index not in self._read:
+            try:
+                self._read[index] = self._run.series(index)
+            except InputError:  # its file is lost: the figure says that there is none
+                self._read[index] = None
+        return self._read[index]
+
+
 def figures(run: Run, folder: Path) -> list[Figure]:
     """Inputs over time, trajectories and formations of the run's first arm, written to `folder`/figures."""
     trials = arms(run, KEYS)[0][1]
-    done = {row.index for row in run.rows() if row.status == "done"}
-    kept: dict[int, TrialResult | None] = {}
-
-    def result(trial: Trial | None) -> TrialResult | None:
-        if trial is None or trial.index not in done:
-            return None
-        if trial.index not in kept:
-            try:
-                kept[trial.index] = run.series(trial.index)
-            except InputError:  # its file is lost: the figure says that there is none
-                kept[trial.index] = None
-        return kept[trial.index]
-
-    def find(**wanted: Any) -> Trial | None:
-        """The first trial (a finished one if there is any) of a cell, repeat or formation."""
-        cell = {PIPELINE: wanted.get("pipeline"), EXCLUSION: wanted.get("exclusion")}
-        fitting = [
-            trial
-            for trial in trials
-            if all(trial.conditions.get(key) == value for key, value in cell.items())
-            and wanted.get("repeat") in (None, trial.repeat)
-            and wanted.get("formation") in (None, trial.formation)
-        ]
-        return next((trial for trial in fitting if trial.index in done), fitting[0] if fitting else None)
-
+    shown = Shown(run, trials)
     repeat = min((trial.repeat for trial in trials), default=1)
     inputs = [
-        (f"{pipeline}, exclusion {at:g} m (figure {number})", result(find(pipeline=pipeline, exclusion=at)))
+        (f"{pipeline}, exclusion {at:g} m (figure {number})", shown.first(pipeline, at))
         for pipeline, at, number in PUBLISHED
     ]
     cells = list(dict.fromkeys((trial.conditions.get(PIPELINE), trial.conditions.get(EXCLUSION)) for trial in trials))
-    ways = [
-        (_cell_name(pipeline, at), result(find(pipeline=pipeline, exclusion=at, repeat=repeat)))
-        for pipeline, at in cells
-    ]
+    ways = [(_cell_name(pipeline, at), shown.first(pipeline, at, repeat)) for pipeline, at in cells]
     if not any(panel for _, panel in inputs):  # another law or detection: none of the publication's cells
         inputs = ways
     rows = []
     for formation in dict.fromkeys(trial.formation for trial in trials):
-        shown = [(p, at, result(find(pipeline=p, exclusion=at, formation=formation))) for p, at, _ in PUBLISHED]
-        first = next((r for *_, r in shown if r is not None), None)
-        ends = [(f"end\n{p}, {at:g} m", r, 1.0) for p, at, r in shown]
+        results = [(p, at, shown.first(p, at, formation=formation)) for p, at, _ in PUBLISHED]
+        first = next((r for *_, r in results if r is not None), None)
+        ends = [(f"end\n{p}, {at:g} m", r, 1.0) for p, at, r in results]
         rows.append((formation, [("start", first, 0.0), *ends]))
     found = [
         draw.save(
-            draw.inputs_over_time(inputs),
+            inputs_over_time(inputs),
             folder,
             "inputs",
             "Inputs' distances over time",
@@ -84,6 +93,37 @@ def figures(run: Run, folder: Path) -> list[Figure]:
         caption = "Each starting formation, and where it ends in the cells of figures 2.6 to 2.9. Discs are to scale."
         found.append(draw.save(draw.formations(rows), folder, "formations", "Formations", caption))
     return found
+
+
+def inputs_over_time(panels: Sequence[tuple[str, TrialResult | None]]) -> Canvas:
+    """Distances of all inputs over time, one panel a trial: one dot an input, one colour a robot.
+
+    As figures 2.6 to 2.9 of Fine 2015. A panel whose trial is None says so.
+    """
+    columns = min(2, len(panels))
+    canvas, axes = draw.grid(len(panels), columns, width=8.4, height=2.3, share=True)
+    farthest = 0.0
+    for axis, (title, result) in zip(axes, panels, strict=True):
+        axis.set_title(title, loc="left")
+        if result is None:
+            draw.absent(axis)
+            continue
+        updates = result.updates
+        of_update = np.repeat(np.arange(len(updates.times)), np.diff(updates.input_starts))
+        positions = updates.input_positions.astype(np.float64)
+        distances, who = np.hypot(positions[:, 0], positions[:, 1]), updates.robots[of_update]
+        times, made_up = updates.times[of_update], updates.input_owners < 0
+        axis.plot(times[made_up], distances[made_up], ",", color="black", alpha=0.5, rasterized=True)
+        for robot, colour in zip(range(len(result.robot_names)), itertools.cycle(draw.ROBOT_COLOURS), strict=False):
+            own = (who == robot) & ~made_up
+            axis.plot(times[own], distances[own], ",", color=colour, rasterized=True)
+        farthest = max(farthest, float(distances.max(initial=0.0)))
+    axes[0].set_ylim(0.0, 1.03 * farthest or 1.0)
+    for axis in axes[-columns:]:
+        axis.set_xlabel("time (s)")
+    for axis in axes[::columns]:
+        axis.set_ylabel("distance of inputs (m)")
+    return canvas
 
 
 def _cell_name(pipeline: Any, at: Any) -> str:

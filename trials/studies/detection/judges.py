@@ -2,8 +2,8 @@
 
 They were fixed before any data was seen, and changed in one point after it (claims 3, 8 and 12: see the docs).
 
-The table in docs/detection-case-study.md says, claim by claim, which measure decides in which trials, by
-which margin and why. The claims' words and sections stand in trials/published.toml.
+The table in docs/detection.md says, claim by claim, which measure decides in which trials, by which margin and why. The
+claims' words and sections stand in the study's published.toml.
 """
 
 from __future__ import annotations
@@ -17,18 +17,9 @@ import numpy as np
 
 from flocking.types import Floats
 from trials.evidence import statistics
-from trials.evidence.claims import (
-    Cells,
-    Outcome,
-    UndecidedError,
-    above,
-    decided_by_all,
-    more,
-    published,
-    ratio,
-    same,
-    weakest,
-)
+from trials.evidence.claims import Judged, published
+from trials.evidence.outcomes import Outcome, above, decided_by_all, more, ratio, same, weakest
+from trials.evidence.runs import Cells, UndecidedError
 
 PIPELINE, EXCLUSION = "herd.pipeline", "herd.law.exclusion_m"
 KEYS = (PIPELINE, EXCLUSION)
@@ -45,12 +36,12 @@ SHORT = {
 PAIRS = ((SENSOR, MEMBER), (EXTRAPOLATED, MEMBER), (EXTRAPOLATED, SENSOR))
 
 BODY_DIAMETER_M = 0.33
-PROPER_M = 0.5
+EXCLUSIONS_M: list[float] = published(__package__, "fine2015", "detection_case_study")["exclusion_distances_m"]
+PROPER_M = EXCLUSIONS_M[1]
 """The exclusion distance at which the publication sees HA behaviour (section 2.4.1)."""
 
 LARGEST_PROPER_M = 1.0
-"""Up to it the detections may be alike; far beyond, all three are alike for the trivial reason that all are
-SNN."""
+"""Up to it the detections may be alike; far beyond, all three are alike for the trivial reason that all are SNN."""
 
 # Margins: the smallest difference that an onlooker could be said to observe. Choices, with reasons in the docs.
 SHARE_MARGIN = 0.10
@@ -67,8 +58,7 @@ ACTS = ("share that acts as SNN", "acts_as_snn_share", SHARE_MARGIN)
 HEADS = ("HA share of the approaches", "effective_ha_share", SHARE_MARGIN)
 """Of the SNN and HA way-points: those that point elsewhere than at the nearest input."""
 BEHAVIOUR = (ACTS, HEADS, ("straightness", "straightness", STRAIGHTNESS_MARGIN))
-"""What an onlooker sees of the behaviour: what the robots do, where they head, and the line that SNN
-forms."""
+"""What an onlooker sees of the behaviour: what the robots do, where they head, and the line that SNN forms."""
 
 
 class Data(NamedTuple):
@@ -79,15 +69,6 @@ class Data(NamedTuple):
     """Of `detection-ideal`; raises `UndecidedError` where there is no such run."""
     sweep: Callable[[], Cells]
     """Of `detection-exclusion-sweep`, likewise."""
-
-
-class Judged(NamedTuple):
-    """A claim after its tests."""
-
-    agrees: bool | None
-    shown: Outcome
-    outcomes: list[Outcome]
-    test: str
 
 
 LATER = "; an outcome added after data had been seen decides too"
@@ -164,7 +145,7 @@ def _too_large_returns(data: Data) -> Judged:
     cells = data.sweep()
     levels = cells.levels(EXCLUSION)
     at = levels[-1]
-    if at <= max(published(__package__, "fine2015", "detection_case_study")["exclusion_distances_m"]):
+    if at <= max(EXCLUSIONS_M):
         raise UndecidedError(f"its largest exclusion distance is {at:g} m: not beyond the publication's own")
     outcomes = []
     for name, measure in (("share that acts as SNN", ACTS[1]), ("SNN share of the approaches", "effective_snn_share")):
@@ -334,8 +315,7 @@ def _alike(cells: Cells, at: float, decides: bool = True) -> list[Outcome]:
 
 
 def _rougher(cells: Cells, pipeline: str, others: tuple[str, ...]) -> list[Outcome]:
-    """Ratios of the way-points' variances, each repeat's averaged (as logarithms) over the exclusion
-    distances."""
+    """Ratios of the way-points' variances, each repeat's averaged (as logarithms) over the exclusion distances."""
     outcomes = []
     for measure, name in (
         ("smoothness", "variance of the way-point about its drift"),
@@ -358,8 +338,7 @@ def _overall(cells: Cells, measure: str, pipeline: str, other: str) -> Floats:
 
 
 def _trend(cells: Cells, name: str, measure: str, levels: list[float]) -> Outcome:
-    """The slope of a measure with sensor-based detection over the exclusion distance, repeat by repeat; shown
-    only."""
+    """The slope of a measure with sensor-based detection over the exclusion distance, repeat by repeat; shown only."""
     each = [cells.values(measure, SENSOR, at) for at in levels]
     repeats = sorted(set.intersection(*(set(values) for values in each)))
     rows = np.array([[values[repeat] for values in each] for repeat in repeats]).reshape(len(repeats), len(levels))
@@ -370,11 +349,10 @@ def _trend(cells: Cells, name: str, measure: str, levels: list[float]) -> Outcom
 
 def _exclusions(cells: Cells) -> list[float]:
     """The publication's exclusion distances; `UndecidedError` if the run lacks one."""
-    wanted: list[float] = published(__package__, "fine2015", "detection_case_study")["exclusion_distances_m"]
-    lacking = [at for at in wanted if at not in cells.levels(EXCLUSION)]
+    lacking = [at for at in EXCLUSIONS_M if at not in cells.levels(EXCLUSION)]
     if lacking:
         raise UndecidedError(f"the run has no trials with {EXCLUSION} = {', '.join(f'{at:g}' for at in lacking)}")
-    return wanted
+    return EXCLUSIONS_M
 
 
 def _nearest(levels: list[float], to: float) -> float:

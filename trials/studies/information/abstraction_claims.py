@@ -8,10 +8,11 @@ information-abstracted if what it is told changes nothing; it claims so of the f
 
 from __future__ import annotations
 
-import math
+from functools import partial
 from typing import NamedTuple
 
-from trials.evidence.claims import Cells, Entry, Run, UndecidedError, arms, undecided
+from trials.evidence.claims import Entry, Judged, Question, answers, published
+from trials.evidence.runs import Cells, Run, UndecidedError
 from trials.studies.information import law_survey
 from trials.studies.information.abstraction_design import (
     ALL_TOLD,
@@ -24,12 +25,9 @@ from trials.studies.information.abstraction_design import (
     permits,
     rule_of,
 )
-from trials.studies.information.law_judges import IN_WORDS, Cell, alike, better, both, verdict
+from trials.studies.information.law_judges import IN_WORDS, Cell, alike, better, both, held_in_all, verdict
 from trials.studies.information.law_survey import LAW
 
-SOURCE = "fine2015, section 4"
-WORDS = "information-abstracted: its behaviour does not depend on the type and detail of what it is told"
-LEFT_OPEN = "whether it is information-abstracted: left open"
 TEST = (
     "in each of the conditions every measure equivalent to perfect poses (two one-sided tests, paired) and better than "
     f"random motion (t test, paired); the number is the share of conditions for which that is shown; {IN_WORDS}"
@@ -49,11 +47,21 @@ class Kept(NamedTuple):
 
 def claims(run: Run) -> list[Entry]:
     """An entry for each rule, for each arm of the run."""
-    entries = []
-    for arm, trials in arms(run, KEYS):
-        cells = Cells(trials, run.rows(), KEYS)
-        entries += [_entry(cells, rule, arm) for rule in rules_of(cells)]
-    return entries
+    return answers(run, KEYS, _questions)
+
+
+def _questions(cells: Cells) -> list[Question]:
+    told = published(__package__, "fine2015", "information")
+    of_lch, _, of_others = told["claims"]
+    return [
+        Question(
+            source=f"fine2015, section {told['sections'][0]}",
+            quantity=f"{rule}, by {' and '.join(law_survey.judged_by(law_of(rule)))}",
+            claim=of_lch if rule == LCH else of_others,
+            judge=partial(_judged, cells, rule),
+        )
+        for rule in rules_of(cells)
+    ]
 
 
 def rules_of(cells: Cells) -> list[str]:
@@ -75,7 +83,7 @@ def kept(cells: Cells, rule: str) -> list[Kept]:
 
 def told_of(cells: Cells, rule: str) -> list[Told]:
     """The conditions of a rule that the run has."""
-    planned = {tuple(trial.conditions.get(key) for key in KEYS) for trial in cells.trials}
+    planned = cells.planned()
     return [
         told for told in ALL_TOLD if permits(rule, told.information, told.detail) and cell_of(rule, told) in planned
     ]
@@ -93,33 +101,13 @@ def control_of(rule: str) -> Cell:
     return tuple(values.get(key) for key in KEYS)
 
 
-def _entry(cells: Cells, rule: str, arm: dict[str, object]) -> Entry:
-    measures = " and ".join(law_survey.judged_by(law_of(rule)))
-    quantity = f"{rule}, by {measures}"
-    words = WORDS if rule == LCH else LEFT_OPEN
-    cells.begin()
-    try:
-        found = kept(cells, rule)
-    except UndecidedError as why:
-        return undecided(SOURCE, quantity, words, str(why), arm)
-    first, less = found[0], found[1:]
+def _judged(cells: Cells, rule: str) -> Judged:
+    first, *less = kept(cells, rule)
     if not less:
-        return undecided(SOURCE, quantity, words, "the run takes no information away", arm)
-    share = sum(one.agrees is True for one in less) / len(less)
+        raise UndecidedError("the run takes no information away")
     if first.flocks is not True:
-        told = "with perfect poses it is not shown to be better than random motion in this herd"
-        return undecided(SOURCE, quantity, words, told, arm)
-    return Entry(
-        source=SOURCE,
-        quantity=f"{quantity}: shown in {sum(one.agrees is True for one in less)} of {len(less)} conditions, "
-        f"lost in {sum(one.agrees is False for one in less)}",
-        published=words,
-        measured=share,
-        low=math.nan,
-        high=math.nan,
-        n=len(cells.values(law_survey.ORDER, *cell_of(rule, ALL_TOLD[0]))),
-        agrees=both(*(one.agrees for one in less)),
-        test=TEST,
-        margin=math.nan,
-        arm=arm,
-    )
+        raise UndecidedError("with perfect poses it is not shown to be better than random motion in this herd")
+    verdicts = [one.agrees for one in less]
+    n = len(cells.values(law_survey.ORDER, *cell_of(rule, ALL_TOLD[0])))
+    label = f"shown in {verdicts.count(True)} of {len(verdicts)} conditions, lost in {verdicts.count(False)}"
+    return held_in_all(verdicts, label, n, TEST)

@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
+from trials.evidence.claims import published
 from trials.simulations.kinematic.fields import DETECTIONS
 from trials.simulations.kinematic.herd import BEARINGS_ALONE
 from trials.studies.information import law_survey
@@ -26,13 +27,13 @@ MEMBER_CENTRIC, GROUP_CENTRIC = "all", "densest"
 """The second stands for a selection with the law's own threshold."""
 LCH = "lch"
 VARIATIONS = {
-    (POSES, MEMBER_CENTRIC): "lch-member-pose",
     (POSES, GROUP_CENTRIC): "lch-group-pose",
-    (BEARINGS, MEMBER_CENTRIC): "lch-member-bearing",
     (BEARINGS, GROUP_CENTRIC): "lch-group-bearing",
+    (POSES, MEMBER_CENTRIC): "lch-member-pose",
+    (BEARINGS, MEMBER_CENTRIC): "lch-member-bearing",
 }
 """Of LCH, by what each reads: Fine 2015, section 4.1."""
-ANGLE_DEG = 10.0
+ANGLE_DEG = float(published(__package__, "fine2015", "figure_4_5")["st_angular_deg"])
 """Splitting threshold of bearings: Fine 2015, figure 4.5."""
 LINK = 1.0
 """Splitting threshold of poses, in spacings of the law's herd: as figure 4.5's 0.5 to the spacing of that herd."""

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from trials.evidence.claims import Cells, Run, UndecidedError, arms
+from trials.evidence.runs import Cells, Run, UndecidedError, arms
 from trials.reports import figures as draw
 from trials.reports.figures import Figure
-from trials.reports.verdict_maps import Square, verdict_map, without_goals
 from trials.studies.information import law_survey
 from trials.studies.information.abstraction_claims import cell_of, control_of, kept, rules_of, told_of
 from trials.studies.information.abstraction_design import ALL_TOLD, KEYS, law_of, words_left_out
 from trials.studies.information.law_judges import Cell, mean_of
+from trials.studies.information.verdict_maps import Square, verdict_map
 
 CONTROL_COLUMN = "random motion"
 
@@ -26,7 +26,7 @@ def figures(run: Run, folder: Path) -> list[Figure]:
     caption = (
         "Green: shown to flock as with perfect poses and better than random motion; red: shown not to; grey: neither; "
         "white: not asked of this law. First column: better than random motion alone. Last: its control. "
-        f"{words_left_out()} {without_goals(trials)}"
+        f"{words_left_out()} {law_survey.without_goals(trials)}"
     )
     title = "Who keeps flocking as information is taken away"
     return [draw.save(verdict_map(rows, columns, key), folder, "information", title, caption.rstrip())]

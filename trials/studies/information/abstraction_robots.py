@@ -6,18 +6,19 @@ against the member-centric one with poses from global knowledge; any other law a
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
-from trials.evidence.claims import Cells, Entry, Run, UndecidedError, arms, undecided
+from trials.evidence.claims import Entry, Judged, Question, answers, published
+from trials.evidence.runs import Cells, Run, UndecidedError, arms
 from trials.reports import figures as draw
 from trials.reports.figures import Figure
-from trials.reports.verdict_maps import Square, verdict_map
-from trials.studies.crowded_horizon.figures import VARIATIONS
-from trials.studies.information.law_judges import IN_WORDS, Cell, alike, better, both, mean_of, verdict
+from trials.studies.information.abstraction_design import LCH, VARIATIONS, rule_of
+from trials.studies.information.law_judges import IN_WORDS, Cell, alike, better, both, held_in_all, mean_of, verdict
 from trials.studies.information.law_survey import CONTROL, LAW, judged_by, told_apart_by
+from trials.studies.information.verdict_maps import Square, verdict_map
 from trials.types import Value
 from worlds.formations import SPACING
 
@@ -25,9 +26,7 @@ DETAIL, DETECTION = "herd.selection", "herd.pipeline"
 KEYS = (LAW, DETAIL, DETECTION)
 DETECTIONS = PERFECT, *_ = ("perfect", "member-based", "member-extrapolated", "sensor-based")
 MEMBER_CENTRIC, GROUP_CENTRIC = "all", f"densest-distance({SPACING:g})"
-LAWS = (*VARIATIONS, "extended-hamilton", "snn", "couzin")
-SOURCE = "fine2015, section 4"
-WORDS = "what members are told does not change what the group does"
+LAWS = (*VARIATIONS.values(), "extended-hamilton", "snn", "couzin")
 TEST = (
     "in each condition every measure equivalent to the same rule with poses from global knowledge (two one-sided "
     "tests, paired) and better than random motion (t test, paired); the number is the share for which that is shown; "
@@ -41,7 +40,7 @@ def cells(conditions: Mapping[str, Sequence[Any]]) -> list[dict[str, Value]]:
         {LAW: law, DETAIL: detail, DETECTION: detection}
         for law in conditions[LAW]
         for detail in conditions[DETAIL]
-        if detail == MEMBER_CENTRIC or law not in VARIATIONS
+        if detail == MEMBER_CENTRIC or rule_of(law) != LCH
         for detection in conditions[DETECTION]
     ]
     return [*found, {LAW: CONTROL, DETAIL: MEMBER_CENTRIC, DETECTION: PERFECT}]
@@ -49,7 +48,7 @@ def cells(conditions: Mapping[str, Sequence[Any]]) -> list[dict[str, Value]]:
 
 def best_of(law: str) -> Cell:
     """The cell that a law is held against."""
-    return "lch-member-pose" if law in VARIATIONS else law, MEMBER_CENTRIC, PERFECT
+    return "lch-member-pose" if rule_of(law) == LCH else law, MEMBER_CENTRIC, PERFECT
 
 
 def kept(cells: Cells, cell: Cell) -> bool | None:
@@ -68,20 +67,29 @@ def flocks(cells: Cells, cell: Cell) -> bool | None:
 def asked_of(cells: Cells) -> dict[str, list[Cell]]:
     """The cells of each law in the run, in order."""
     found: dict[str, list[Cell]] = {}
-    for trial in cells.trials:
-        cell = tuple(trial.conditions.get(key) for key in KEYS)
-        if cell[0] != CONTROL and cell not in found.setdefault(str(cell[0]), []):
-            found[str(cell[0])].append(cell)
+    for cell in cells.planned():
+        if cell[0] != CONTROL:
+            found.setdefault(str(cell[0]), []).append(cell)
     return found
 
 
 def claims(run: Run) -> list[Entry]:
     """An entry for each law, for each arm of the run."""
-    entries = []
-    for arm, trials in arms(run, KEYS):
-        cells = Cells(trials, run.rows(), KEYS)
-        entries += [_entry(cells, law, asked, arm) for law, asked in asked_of(cells).items()]
-    return entries
+    return answers(run, KEYS, _questions)
+
+
+def _questions(cells: Cells) -> list[Question]:
+    told = published(__package__, "fine2015", "information")
+    words = told["claims"][1]
+    return [
+        Question(
+            source=f"fine2015, section {told['sections'][1]}",
+            quantity=law,
+            claim=words if rule_of(law) == LCH else f"{words}: left open",
+            judge=partial(_judged, cells, law, asked),
+        )
+        for law, asked in asked_of(cells).items()
+    ]
 
 
 def figures(run: Run, folder: Path) -> list[Figure]:
@@ -112,26 +120,10 @@ def _square(cells: Cells, cell: Cell) -> Square:
     return Square(agrees, " ".join(f"{mean_of(cells, measure, cell):.2f}" for measure in judged_by(law)))
 
 
-def _entry(cells: Cells, law: str, asked: Sequence[Cell], arm: dict[str, Any]) -> Entry:
-    cells.begin()
-    less = [cell for cell in asked if cell != best_of(law)]
-    try:
-        found = [kept(cells, cell) for cell in less]
-        count = len(cells.values("mmd", *best_of(law)))
-    except UndecidedError as why:
-        return undecided(SOURCE, law, WORDS, str(why), arm)
+def _judged(cells: Cells, law: str, asked: Sequence[Cell]) -> Judged:
+    found = [kept(cells, cell) for cell in asked if cell != best_of(law)]
+    n = len(cells.values("mmd", *best_of(law)))
     if not found:
-        return undecided(SOURCE, law, WORDS, "the run takes no information away", arm)
-    return Entry(
-        source=SOURCE,
-        quantity=f"{law}: shown in {found.count(True)} of {len(found)} conditions, lost in {found.count(False)}",
-        published=WORDS if law in VARIATIONS else f"{WORDS}: left open",
-        measured=found.count(True) / len(found),
-        low=math.nan,
-        high=math.nan,
-        n=count,
-        agrees=both(*found),
-        test=TEST,
-        margin=math.nan,
-        arm=arm,
-    )
+        raise UndecidedError("the run takes no information away")
+    label = f"shown in {found.count(True)} of {len(found)} conditions, lost in {found.count(False)}"
+    return held_in_all(found, label, n, TEST)

@@ -8,11 +8,13 @@ whether contact alone can make a flock (section 3.6.1).
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
+from functools import partial
 
 from trials.evidence import statistics
-from trials.evidence.claims import Cells, Entry, Outcome, Run, UndecidedError, above, arms, undecided
+from trials.evidence.claims import Entry, Judged, Question, answers, published
+from trials.evidence.outcomes import Outcome, above
+from trials.evidence.runs import Cells, Run, UndecidedError
 from trials.studies.information import law_survey
 from trials.studies.information.environment_design import (
     BUMPER,
@@ -23,14 +25,12 @@ from trials.studies.information.environment_design import (
     bumper_control,
     cell,
 )
-from trials.studies.information.law_judges import IN_WORDS, MARGINS, WORDS, Cell, both, gain, no_worse, verdict
+from trials.studies.information.law_judges import IN_WORDS, MARGINS, WORDS, Cell, gain, held_in_all, no_worse, verdict
 from trials.studies.information.law_survey import CONTROL, LAW, ORDER, SHARE, SPREAD
 
 MEASURES = (SHARE, ORDER, SPREAD)
 FLOCKING = (SHARE, ORDER)
 """Of these either would do for contact to have made a flock."""
-KEEPS = "what the environment and asynchrony do to it: not investigated"
-CONTACT = "whether flocking can come of nothing but direct contact"
 TEST = (
     "in each setting no measure worse by its margin than in free space and in step (t tests, paired); the number is "
     f"the share of settings for which that is shown; {IN_WORDS}"
@@ -39,13 +39,20 @@ TEST = (
 
 def claims(run: Run) -> list[Entry]:
     """An entry for each law, and one for the law that feels its way, for each arm of the run."""
-    entries = []
-    for arm, trials in arms(run, KEYS):
-        cells = Cells(trials, run.rows(), KEYS)
-        entries += [_entry(cells, law, arm) for law in laws_of(cells)]
-        if BUMPER in cells.levels(LAW):
-            entries.append(_contact(cells, arm))
-    return entries
+    return answers(run, KEYS, _questions)
+
+
+def _questions(cells: Cells) -> list[Question]:
+    told = published(__package__, "fine2015", "environment")
+    (losing, touching), (sections, section) = told["claims"], told["sections"]
+    found = [
+        Question(source=f"fine2015, sections {sections}", quantity=law, claim=losing, judge=partial(_kept, cells, law))
+        for law in laws_of(cells)
+    ]
+    if BUMPER in cells.levels(LAW):
+        quantity = f"{BUMPER} less random motion"
+        found.append(Question(f"fine2015, section {section}", quantity, touching, partial(_contact, cells)))
+    return found
 
 
 def laws_of(cells: Cells) -> list[str]:
@@ -55,8 +62,7 @@ def laws_of(cells: Cells) -> list[str]:
 
 def settings_of(cells: Cells, law: str) -> list[Setting]:
     """The settings of a law that the run has."""
-    planned = {tuple(trial.conditions.get(key) for key in KEYS) for trial in cells.trials}
-    return [setting for setting in SETTINGS if cell_of(law, setting) in planned]
+    return [setting for setting in SETTINGS if cell_of(law, setting) in cells.planned()]
 
 
 def cell_of(law: str, setting: Setting) -> Cell:
@@ -77,31 +83,16 @@ def losses(cells: Cells, law: str, setting: Setting) -> list[Outcome]:
     return no_worse(cells, MEASURES, cell_of(law, setting), cell_of(law, SETTINGS[0]), spacing_m)
 
 
-def _entry(cells: Cells, law: str, arm: dict[str, object]) -> Entry:
-    source = "fine2015, sections 3.5.2 and 9.1.1"
-    others: Sequence[Setting] = settings_of(cells, law)[1:]
-    cells.begin()
-    try:
-        kept = [verdict(losses(cells, law, setting)) for setting in others]
-        count = len(cells.values(ORDER, *cell_of(law, SETTINGS[0])))
-    except UndecidedError as why:
-        return undecided(source, law, KEEPS, str(why), arm)
-    if not kept:
-        return undecided(source, law, KEEPS, "the run has no other setting", arm)
-    return Entry(
-        source=source,
-        quantity=f"{law}: shown to lose nothing in {kept.count(True)} of {len(kept)} settings, to lose something in "
-        f"{kept.count(False)}",
-        published=KEEPS,
-        measured=kept.count(True) / len(kept),
-        low=math.nan,
-        high=math.nan,
-        n=count,
-        agrees=both(*kept),
-        test=TEST,
-        margin=math.nan,
-        arm=arm,
+def _kept(cells: Cells, law: str) -> Judged:
+    found = [verdict(losses(cells, law, setting)) for setting in settings_of(cells, law)[1:]]
+    n = len(cells.values(ORDER, *cell_of(law, SETTINGS[0])))
+    if not found:
+        raise UndecidedError("the run has no other setting")
+    label = (
+        f"shown to lose nothing in {found.count(True)} of {len(found)} settings, to lose something in "
+        f"{found.count(False)}"
     )
+    return held_in_all(found, label, n, TEST)
 
 
 def contact(cells: Cells, settings: Sequence[Setting]) -> list[Outcome]:
@@ -115,28 +106,13 @@ def contact(cells: Cells, settings: Sequence[Setting]) -> list[Outcome]:
     return found
 
 
-def _contact(cells: Cells, arm: dict[str, object]) -> Entry:
-    source, quantity = "fine2015, section 3.6.1", f"{BUMPER} less random motion"
-    cells.begin()
-    try:
-        outcomes = contact(cells, settings_of(cells, BUMPER))
-    except UndecidedError as why:
-        return undecided(source, quantity, CONTACT, str(why), arm)
+def _contact(cells: Cells) -> Judged:
+    outcomes = contact(cells, settings_of(cells, BUMPER))
     deciding = [outcome for outcome in outcomes if outcome.decides]
-    shown = min(deciding, key=lambda outcome: outcome.decision.p_holds)
-    return Entry(
-        source=source,
-        quantity=f"{quantity}: {shown.label}",
-        published=CONTACT,
-        measured=shown.decision.measured,
-        low=shown.decision.low,
-        high=shown.decision.high,
-        n=shown.decision.n,
+    return Judged(
         agrees=statistics.some_hold([[outcome.decision] for outcome in deciding]),
+        shown=min(deciding, key=lambda outcome: outcome.decision.p_holds),
+        outcomes=outcomes,
         test="in some setting the largest group's share or the polarization is above that of random motion of the same "
         "body by a margin (t tests, paired; Holm)",
-        margin=shown.margin,
-        effect=shown.decision.effect,
-        arm=arm,
-        outcomes=tuple(outcomes),
     )

@@ -15,7 +15,7 @@ from flocking import lawentry
 from flocking.errors import InputError
 from trials.studies.information import law_survey
 from trials.studies.information.law_survey import CONTROL, COUNT, LAW
-from trials.types import Trial, Value
+from trials.types import Trial, Value, with_setup
 
 WORLD, SYNCHRONOUS, OBSTACLES, BODY = "world", "synchronous", "herd.obstacles", "herd.radius_m"
 OWN_WAY = ("formation.spacing_m", "timestep_s", "herd.law.speed_m_s", "herd.law.hold_s", "herd.law.turn_rad")
@@ -101,7 +101,7 @@ def finish(trial: Trial) -> Trial:
     (group,) = trial.groups
     if group.law == CONTROL:
         steps = law_survey.steps(law_survey.herd_of(BUMPER), LENGTH)
-        trial = dataclasses.replace(trial, kinematics={"steps": steps, **trial.kinematics})
+        trial = with_setup(trial, {"steps": steps, **trial.setup})
     if trial.world == FREE:
         return trial
     own = law_survey.herd_of(group.law).spacing_m

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from trials.evidence.claims import Cells, Run, UndecidedError, arms
+from trials.evidence.runs import Cells, Run, UndecidedError, arms
 from trials.reports import figures as draw
 from trials.reports.figures import Figure
-from trials.reports.verdict_maps import Square, verdict_map, without_goals
 from trials.studies.information import law_survey
 from trials.studies.information.environment_claims import MEASURES, cell_of, control_of, laws_of, losses, settings_of
 from trials.studies.information.environment_design import BUMPER, KEYS, SETTINGS, Setting
 from trials.studies.information.law_judges import Cell, mean_of, verdict
 from trials.studies.information.law_survey import CONTROL, LAW, SPREAD
+from trials.studies.information.verdict_maps import Square, verdict_map
 
 LETTERS = dict(zip(MEASURES, "SPM", strict=True))
 """Of what is lost."""
@@ -35,7 +35,7 @@ def figures(run: Run, folder: Path) -> list[Figure]:
     caption = (
         "Green: shown to lose nothing against the same herd in free space and in step, the first column; red: shown to "
         "lose something; grey: neither. +: the shared avoidance is added. Last two rows: a law that knows nothing but "
-        f"its bumper, and random motion of the same body. Left out: {reasons}. {without_goals(trials)}"
+        f"its bumper, and random motion of the same body. Left out: {reasons}. {law_survey.without_goals(trials)}"
     )
     title = "What laws lose within walls, among obstacles and out of step"
     columns = [setting.words() for setting in SETTINGS]

@@ -8,6 +8,7 @@ variations that read nothing else; the group's view of the other laws is a selec
 from __future__ import annotations
 
 from flocking.parameters import Parameter
+from trials.simulations.robots.fields import group, trial
 from trials.studies.information.abstraction_robots import (
     CONTROL,
     DETAIL,
@@ -21,7 +22,7 @@ from trials.studies.information.abstraction_robots import (
     claims,
     figures,
 )
-from trials.types import Group, Trial
+from trials.types import Trial
 
 REPEATS = 20
 RECORD = "first"
@@ -38,16 +39,7 @@ SOURCES = {
 
 def base(repeat: int) -> Trial:
     """Five robots on the open floor."""
-    return Trial(
-        experiment="information-abstraction-robots",
-        index=1,
-        seed=1,
-        repeat=repeat,
-        world="open-floor",
-        formation="single-group",
-        duration_s=60.0,
-        groups=(Group(count=5, law=CONTROL),),
-    )
+    return trial("information-abstraction-robots", repeat, [group(CONTROL, 5)], world="open-floor", duration_s=60.0)
 
 
 __all__ = ["CONDITIONS", "KEY_MEASURES", "RECORD", "REPEATS", "SOURCES", "base", "cells", "claims", "figures"]

@@ -13,7 +13,10 @@ import numpy as np
 
 from flocking.types import Floats
 from trials.evidence import statistics
-from trials.evidence.claims import Cells, Outcome, UndecidedError, above, more, same
+from trials.evidence.claims import Judged
+from trials.evidence.outcomes import Outcome, above, more, same
+from trials.evidence.runs import Cells, UndecidedError
+from trials.evidence.statistics import Decision
 from trials.studies.information.law_survey import ORDER, SHARE, SPREAD
 
 MARGINS = {SHARE: 0.15, ORDER: 0.15, SPREAD: 0.25}
@@ -59,6 +62,14 @@ def verdict(outcomes: Sequence[Outcome]) -> bool | None:
 def both(*verdicts: bool | None) -> bool | None:
     """Of several claims at once."""
     return False if False in verdicts else None if None in verdicts else True
+
+
+def held_in_all(verdicts: Sequence[bool | None], label: str, n: int, test: str) -> Judged:
+    """A claim that must hold in every one of several conditions, of `n` repeats each. The report shows the share of
+    the conditions in which it is shown to hold."""
+    agrees, nan = both(*verdicts), math.nan
+    decision = Decision(agrees, nan, nan, verdicts.count(True) / len(verdicts), nan, nan, n, nan)
+    return Judged(agrees, Outcome(label, decision, "share", nan, nan, True), (), test)
 
 
 def mean_of(cells: Cells, measure: str, cell: Cell) -> float:

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
 from typing import Any, NamedTuple
 
@@ -25,8 +25,8 @@ from flocking.lawentry import OF_MEMBERS
 from flocking.parameters import declared
 from flocking.perception import Step
 from flocking.taxonomy import Herd
-from trials.simulations.kinematic.fields import own_herd
-from trials.types import Group, Trial, Value
+from trials.simulations.kinematic.fields import group, of_group, own_herd
+from trials.types import Trial, Value, with_setup
 
 LAW, CONTROL = "herd.law", "random-motion"
 ORDERING = frozenset({"shimoyama"})
@@ -98,9 +98,21 @@ def told_apart_by(name: str) -> tuple[str, ...]:
     return judged_by(name) if needs(name) & WHERE else (ORDER,)
 
 
+def without_goals(trials: Iterable[Trial]) -> str:
+    """In a sentence, the laws of kinematic trials that can have a goal and are given none; empty if there are none."""
+    names = {
+        group.law
+        for trial in trials
+        for group in trial.groups
+        if "goal" in lawentry.needs_of(lawentry.module_of(group.law, group.law_source))
+        and of_group(group).informed_share == 0.0
+    }
+    return f"Of the laws with goals, these run without one here: {', '.join(sorted(names))}." if names else ""
+
+
 def herd_of(name: str) -> Herd:
     """The herd that a law's file declares."""
-    return own_herd(Group(law=name))
+    return own_herd(group(name, COUNT))
 
 
 def steps(herd: Herd, length: Length) -> int:
@@ -136,8 +148,8 @@ def finished(trial: Trial, length: Length, **of_group: Value) -> Trial:
         of_group = {**of_group, "speed_m_s": speed}
     else:
         of_trial = {"steps": steps(herd, length)}
-    group = dataclasses.replace(group, kinematics={**of_group, **group.kinematics})
-    return dataclasses.replace(trial, kinematics={**of_trial, **trial.kinematics}, groups=(group,))
+    group = with_setup(group, {**of_group, **group.setup})
+    return dataclasses.replace(trial, setup={**of_trial, **trial.setup}, groups=(group,))
 
 
 def wanted_laws(conditions: Mapping[str, Sequence[Any]]) -> list[str]:

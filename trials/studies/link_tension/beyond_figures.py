@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from trials.evidence.claims import Run, arms
+from trials.evidence.runs import Run, arms
 from trials.evidence.summary import named
 from trials.reports import figures as draw
 from trials.reports.figures import Figure

@@ -10,29 +10,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from functools import partial
+from itertools import product
 from typing import Any
 
 import numpy as np
 
 from flocking.measures.links import Outcomes
 from flocking.types import Floats
-from trials.evidence.claims import (
-    Cells,
-    Entry,
-    Outcome,
-    Question,
-    Run,
-    UndecidedError,
-    above,
-    answered,
-    arms,
-    published,
-    same,
-)
+from trials.evidence.claims import Entry, Question, all_must_hold, answers, claim_of, published
+from trials.evidence.outcomes import Outcome, above, same
+from trials.evidence.runs import Cells, Run, UndecidedError
 from trials.simulations.kinematic.lattice_starts import BOTH, POSITION, VELOCITY
 from trials.simulations.kinematic.links import counts, share
 from trials.studies.link_tension.estimates import foretold, one_more
-from trials.types import Trial
 
 KEYS = ("formation", "herd.law.range_m", "formation.strength")
 ALPHA, STRENGTH = 1.6, 3.0
@@ -46,33 +36,18 @@ SOURCE = "akama2014"
 READING = {VELOCITY: "", POSITION: "", BOTH: ", read with velocities below 3 as well"}
 
 
-class Linked(Cells):
-    """Cells that also give what is counted of links."""
-
-    def outcomes(self, start: int, *cell: Any) -> dict[int, Outcomes | None]:
-        """The contingency one unit of time after a moment, by repeat."""
-        self.values("links", *cell)  # raises where trials of the cell have not run
-        found = {}
-        for repeat, row in self.rows_of(*cell).items():
-            counted = counts(row, start, 1.0) if row is not None else None
-            found[repeat] = counted.outcomes() if counted is not None else None
-        return found
-
-    def rows_of(self, *cell: Any) -> dict[int, Mapping[str, float] | None]:
-        """The measures of a cell's trials by repeat; None of one that failed."""
-        rows = self._planned[cell]
-        return {
-            repeat: row.measures if row is not None and row.status == "done" else None for repeat, row in rows.items()
-        }
-
-
 def claims(run: Run) -> list[Entry]:
     """An entry for each table, for the numbers told in the text and for each claim, for each arm of the run."""
-    entries, rows = [], run.rows()
-    for arm, trials in arms(run, KEYS):
-        cells = Linked(trials, rows, KEYS)
-        entries += [answered(question, cells, arm) for question in _questions(cells, trials)]
-    return entries
+    return answers(run, KEYS, _questions)
+
+
+def contingency(cells: Cells, start: int, *cell: Any) -> dict[int, Outcomes | None]:
+    """What became of a cell's links one unit of time after a moment, by repeat; None where it was not counted."""
+    found = {}
+    for repeat, row in cells.rows(*cell).items():
+        counted = counts(row.measures, start, 1.0) if row is not None else None
+        found[repeat] = counted.outcomes() if counted is not None else None
+    return found
 
 
 def held_share(made: Outcomes | None) -> float:
@@ -85,75 +60,79 @@ def stayed_share(made: Outcomes | None) -> float:
     return np.nan if made is None else share(made.intact_predicted_broken, foretold(made))
 
 
-def _questions(cells: Linked, trials: list[Trial]) -> list[Question]:
-    told, simulations = published(__package__, SOURCE, "claims"), published(__package__, SOURCE, "simulations")
-    found = []
-    for table, formation in TABLES.items():
-        number = table[-1]
-        readings = (formation,) if formation == VELOCITY else (POSITION, BOTH)
-        for part, (period, counted) in zip("ab", published(__package__, SOURCE, table).items(), strict=True):
-            for reading in readings:
-                found.append(
-                    Question(
-                        source=f"{SOURCE} table {number} ({part}){READING[reading]}",
-                        quantity=f"table {number} ({part}), {reading}",
-                        words=", ".join(f"{name.replace('_', ' ')} {value}" for name, value in counted.items()),
-                        test=f"each count in the 95 % prediction interval of one more seed, ±{WIDEST:g} links at most",
-                        outcomes=partial(_table, cells, reading, PERIODS[period], counted),
-                    )
-                )
-        first = published(__package__, SOURCE, table)["t0_to_t1"]
-        for reading in readings:
-            found.append(
-                Question(
-                    source=f"{SOURCE} table {number} (a){READING[reading]}",
-                    quantity=f"links at t = 0, {reading}",
-                    words=f"{sum(first.values())} links in all",
-                    test=f"within the 95 % prediction interval of one more seed, if at most ±{WIDEST:g} links wide",
-                    outcomes=partial(_number, cells, reading, "links", sum, sum(first.values())),
-                )
-            )
-            value = simulations["predicted_broken"][table]
-            found.append(
-                Question(
-                    source=f"{SOURCE} section 4.{int(number) + 1}{READING[reading]}",
-                    quantity=f"foretold at t = 0, {reading}",
-                    words=f"{value} links predicted to break",
-                    test=f"within the 95 % prediction interval of one more seed, if at most ±{WIDEST:g} links wide",
-                    outcomes=partial(_number, cells, reading, "links foretold to break", foretold, value),
-                )
-            )
-    judges: tuple[Callable[[Linked], list[Outcome]], ...] = (_negative_holds, _positive_stays, _others_alike)
-    tests = (
-        f"share of links foretold to hold that do, above {RIGHT:g} in both simulations and both periods",
-        f"share of links foretold to break that hold, above {MOST:g} in both simulations and both periods",
-        f"both shares within ±{ALMOST:g} of those at alpha 1.6 and 3, paired by seed (two one-sided tests); all must",
+def _questions(cells: Cells) -> list[Question]:
+    everywhere = "in both simulations and both periods"
+    alike = f"within ±{ALMOST:g} of those at alpha 1.6 and 3, paired by seed (two one-sided tests)"
+    judges: tuple[tuple[str, Callable[[Cells], list[Outcome]]], ...] = (
+        (f"share of links foretold to hold that do, above {RIGHT:g} {everywhere}", _negative_holds),
+        (f"share of links foretold to break that hold, above {MOST:g} {everywhere}", _positive_stays),
+        (f"both shares {alike}; all must", _others_alike),
     )
-    for k, (judge, test) in enumerate(zip(judges, tests, strict=True)):
-        found.append(
-            Question(
-                source=f"{SOURCE} claims, claim {k + 1} (section {told['sections'][k]})",
-                quantity=f"claim {k + 1}",
-                words=told["claims"][k],
-                test=test,
-                outcomes=partial(judge, cells),
-            )
+    return [
+        *(question for table in TABLES for question in _of_table(cells, table)),
+        *(
+            claim_of(__package__, SOURCE, "claims", k, f"claim {k}", all_must_hold(test, partial(outcomes, cells)))
+            for k, (test, outcomes) in enumerate(judges, start=1)
+        ),
+    ]
+
+
+def _of_table(cells: Cells, table: str) -> list[Question]:
+    """The questions on one table in each of its readings: its counts, and the sums that the text tells."""
+    number, formation = int(table[-1]), TABLES[table]
+    readings = (formation,) if formation == VELOCITY else (POSITION, BOTH)
+    periods = published(__package__, SOURCE, table)
+    links = sum(periods["t0_to_t1"].values())
+    broken = published(__package__, SOURCE, "simulations")["predicted_broken"][table]
+    test = f"each count in the 95 % prediction interval of one more seed, ±{WIDEST:g} links at most"
+    found = [
+        Question(
+            source=f"{SOURCE} table {number} ({part}){READING[reading]}",
+            quantity=f"table {number} ({part}), {reading}",
+            claim=", ".join(f"{_words(name)} {value}" for name, value in counted.items()),
+            judge=all_must_hold(test, partial(_counts, cells, reading, PERIODS[period], counted)),
         )
+        for part, (period, counted) in zip("ab", periods.items(), strict=True)
+        for reading in readings
+    ]
+    test = f"within the 95 % prediction interval of one more seed, if at most ±{WIDEST:g} links wide"
+    for reading in readings:
+        found += [
+            Question(
+                source=f"{SOURCE} table {number} (a){READING[reading]}",
+                quantity=f"links at t = 0, {reading}",
+                claim=f"{links} links in all",
+                judge=all_must_hold(test, partial(_number, cells, reading, "links", sum, links)),
+                published=links,
+            ),
+            Question(
+                source=f"{SOURCE} section 4.{number + 1}{READING[reading]}",
+                quantity=f"foretold at t = 0, {reading}",
+                claim=f"{broken} links predicted to break",
+                judge=all_must_hold(
+                    test, partial(_number, cells, reading, "links foretold to break", foretold, broken)
+                ),
+                published=broken,
+            ),
+        ]
     return found
 
 
-def _table(cells: Linked, formation: str, start: int, counted: Mapping[str, int]) -> list[Outcome]:
-    made = [one for one in cells.outcomes(start, formation, ALPHA, STRENGTH).values() if one is not None]
+def _words(name: str) -> str:
+    """The name of a count."""
+    return name.replace("_", " ")
+
+
+def _counts(cells: Cells, formation: str, start: int, counted: Mapping[str, int]) -> list[Outcome]:
+    made = [one for one in contingency(cells, start, formation, ALPHA, STRENGTH).values() if one is not None]
     return [
-        _single(f"{name.replace('_', ' ')}, links", np.array([getattr(one, name) for one in made], dtype=float), value)
+        _single(f"{_words(name)}, links", np.array([getattr(one, name) for one in made], dtype=float), value)
         for name, value in counted.items()
     ]
 
 
-def _number(
-    cells: Linked, formation: str, label: str, number: Callable[[Outcomes], int], value: float
-) -> list[Outcome]:
-    made = [one for one in cells.outcomes(0, formation, ALPHA, STRENGTH).values() if one is not None]
+def _number(cells: Cells, formation: str, label: str, number: Callable[[Outcomes], int], value: float) -> list[Outcome]:
+    made = [one for one in contingency(cells, 0, formation, ALPHA, STRENGTH).values() if one is not None]
     return [_single(label, np.array([number(one) for one in made], dtype=float), value)]
 
 
@@ -162,56 +141,55 @@ def _single(label: str, values: Floats, value: float) -> Outcome:
     decision = one_more(values, value, WIDEST)
     reach = max(0.5, 0.5 * (decision.high - decision.low)) if np.isfinite(decision.high) else np.nan
     shown = decision._replace(low=max(0.0, decision.low))  # a count
-    return Outcome(label, shown, "equivalent", float(value), float(reach), True)
+    return Outcome(label, shown, "equivalent", float(value), float(reach), True, published=float(value))
 
 
 def _shares(
-    cells: Linked, of: Callable[[Outcomes | None], float], start: int, cell: tuple[Any, ...]
+    cells: Cells, of: Callable[[Outcomes | None], float], start: int, cell: tuple[Any, ...]
 ) -> dict[int, float]:
-    return {repeat: of(made) for repeat, made in cells.outcomes(start, *cell).items()}
+    return {repeat: of(made) for repeat, made in contingency(cells, start, *cell).items()}
 
 
-def _negative_holds(cells: Linked) -> list[Outcome]:
+def _negative_holds(cells: Cells) -> list[Outcome]:
     return _above(cells, held_share, "held of those foretold to hold", RIGHT, 0.05)
 
 
-def _positive_stays(cells: Linked) -> list[Outcome]:
+def _positive_stays(cells: Cells) -> list[Outcome]:
     return _above(cells, stayed_share, "held of those foretold to break", MOST, 0.5)
 
 
 def _above(
-    cells: Linked, of: Callable[[Outcomes | None], float], told: str, threshold: float, scale: float
+    cells: Cells, of: Callable[[Outcomes | None], float], told: str, threshold: float, scale: float
 ) -> list[Outcome]:
     """Of both simulations and periods, which decide, and of the third start, which does not."""
     found = []
-    for formation in (VELOCITY, POSITION, BOTH):
-        for start in PERIODS.values():
-            values = np.array(list(_shares(cells, of, start, (formation, ALPHA, STRENGTH)).values()))
-            label = f"share {told}, {formation}, t = {start} to {start + 1}"
-            if np.isfinite(values).any():
-                found.append(above(label, values, threshold, scale, decides=formation != BOTH, bounds=(0.0, 1.0)))
+    for formation, start in product((VELOCITY, POSITION, BOTH), PERIODS.values()):
+        values = np.array(list(_shares(cells, of, start, (formation, ALPHA, STRENGTH)).values()))
+        label = f"share {told}, {formation}, t = {start} to {start + 1}"
+        if np.isfinite(values).any():
+            found.append(above(label, values, threshold, scale, decides=formation != BOTH, bounds=(0.0, 1.0)))
     if not any(outcome.decides for outcome in found):
         raise UndecidedError("the run has no links that were so foretold")
     return found
 
 
-def _others_alike(cells: Linked) -> list[Outcome]:
+def _others_alike(cells: Cells) -> list[Outcome]:
     found = []
-    for formation in (VELOCITY, POSITION, BOTH):
-        for start in PERIODS.values():
-            for name, of in (("foretold to hold", held_share), ("foretold to break", stayed_share)):
-                usual = _shares(cells, of, start, (formation, ALPHA, STRENGTH))
-                for alpha in cells.levels("herd.law.range_m"):
-                    for strength in cells.levels("formation.strength"):
-                        if (alpha, strength) == (ALPHA, STRENGTH):
-                            continue
-                        other = _shares(cells, of, start, (formation, alpha, strength))
-                        differences = np.array([other[r] - usual[r] for r in sorted(other.keys() & usual.keys())])
-                        if np.isfinite(differences).sum() < 2:
-                            continue
-                        told = f"{formation}, alpha {alpha:g}, strength {strength:g}, t = {start} to {start + 1}"
-                        label = f"share held of those {name}, {told}"
-                        found.append(same(label, differences, ALMOST, decides=formation != BOTH))
+    kinds = (("foretold to hold", held_share), ("foretold to break", stayed_share))
+    for formation, start, (name, of) in product((VELOCITY, POSITION, BOTH), PERIODS.values(), kinds):
+        usual = _shares(cells, of, start, (formation, ALPHA, STRENGTH))
+        for alpha, strength in product(cells.levels("herd.law.range_m"), cells.levels("formation.strength")):
+            if (alpha, strength) == (ALPHA, STRENGTH):
+                continue
+            other = _shares(cells, of, start, (formation, alpha, strength))
+            differences = np.array([other[r] - usual[r] for r in sorted(other.keys() & usual.keys())])
+            if np.isfinite(differences).sum() < 2:
+                continue
+            label = (
+                f"share held of those {name}, {formation}, alpha {alpha:g}, strength {strength:g}, "
+                f"t = {start} to {start + 1}"
+            )
+            found.append(same(label, differences, ALMOST, decides=formation != BOTH))
     if not any(outcome.decides for outcome in found):
         raise UndecidedError("the run has no other setting with links that were so foretold")
     return found

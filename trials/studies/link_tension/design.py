@@ -15,6 +15,7 @@ from flocking import lawentry
 from flocking.errors import InputError
 from flocking.laws.olfati_saber import bump, sigma_norm
 from flocking.parameters import filled
+from trials.rows import below
 from trials.simulations.kinematic import fields
 from trials.simulations.kinematic.links import HORIZONS, STARTS
 from trials.simulations.kinematic.links import Parameters as Links
@@ -68,8 +69,9 @@ def with_links(trial: Trial) -> Trial:
         "rest_m": float(getattr(law, names.rest_m)),
         "stiffness_per_s2": names.stiffness(law) if names.stiffness else 0.0,
         "unit_s": SPACINGS_A_UNIT * own.spacing_m / own.speed_m_s,
-    } | dict(trial.links)
+    } | below(trial.setup, fields.LINKS)
     unit = float(filled(Links, links).unit_s) / fields.of_trial(trial).timestep_s
     steps = math.ceil((max(STARTS) + max(HORIZONS)) * unit)
     length = {"steps": steps, "every": max(1, round(unit / KEPT_A_UNIT))}
-    return dataclasses.replace(trial, links=links, kinematics={**length, **trial.kinematics})
+    setup = {**length, **{f"{fields.LINKS}{name}": value for name, value in links.items()}, **trial.setup}
+    return dataclasses.replace(trial, setup=setup)

@@ -16,7 +16,7 @@ from scipy import stats
 
 from flocking.measures.links import Outcomes
 from flocking.types import Floats
-from trials.evidence.claims import FinishedTrial, Run
+from trials.evidence.runs import FinishedTrial, Run
 from trials.evidence.statistics import ALPHA, FEWEST, Decision, hedges_g
 from trials.simulations.kinematic.links import BINS, EDGES, Counts, counts
 

@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from trials.evidence.claims import Run, arms, published
+from trials.evidence.claims import published
+from trials.evidence.runs import Run, arms
 from trials.evidence.statistics import mean_interval
 from trials.evidence.summary import named
 from trials.reports import figures as draw
@@ -21,45 +22,38 @@ from trials.studies.link_tension.estimates import Finished, foretold, ratio
 from trials.studies.link_tension.pictures import flock
 
 SETTING = {"herd.law.range_m": ALPHA, "formation.strength": STRENGTH}
+SIMULATIONS = published(__package__, "akama2014", "simulations")
 COUNTS = ("broken_broken", "broken_predicted_intact", "intact_predicted_broken", "intact_intact")
 
 
 def figures(run: Run, folder: Path) -> list[Figure]:
     """All of them; those of settings that the run has not say so, and a sweep has one that compares its arms."""
-    found, made = Finished(run), []
+    found = Finished(run)
     arm = {key: value for key, value in run.trials[0].conditions.items() if key not in KEYS}
     told = f" Of the sweep's first arm: {named(arm)}." if arm else ""
-    made.append(_saved(folder, "tables", "Tables 1 and 2", tables(found, arm), TABLES_CAPTION + told))
+    usual = {formation: {**arm, "formation": formation, **SETTING} for formation in NAMES}
+    panels = {f"{formation}, alpha {ALPHA:g}, strength {STRENGTH:g}": cell for formation, cell in usual.items()}
+    ways = (("apart", "printed"), ("ever", "printed"), ("ever", "reduced"))
+    judged = {
+        title: [Line(f"{kind}, {reading}", cell, kind, reading) for kind, reading in ways]
+        for title, cell in panels.items()
+    }
+    later = {
+        title: [Line(f"t + {h:g}", cell, "ever", "printed", h) for h in (HORIZONS[0], 1.0, HORIZONS[-1])]
+        for title, cell in panels.items()
+    }
+    tabled, flocks = tables(found, arm), flock(run, list(usual.items()))
+    made = [draw.save(tabled, folder, "tables", "Tables 1 and 2", TABLES_CAPTION + told)]
     if arm:
-        made.append(
-            _saved(folder, "sweep", "The choices that the publication leaves", sweep(run, found), SWEEP_CAPTION)
-        )
-    picture = flock(run, [(formation, {**arm, "formation": formation, **SETTING}) for formation in NAMES])
-    made.append(draw.save(picture, folder, "flocks", "Figures 4 and 5", FLOCKS_CAPTION + told, dots=True))
-    made.append(_saved(folder, "settings", "All settings", settings(found, arm), SETTINGS_CAPTION + told))
-    panels = {
-        f"{formation}, alpha 1.6, strength {STRENGTH:g}": {**arm, "formation": formation, **SETTING}
-        for formation in NAMES
-    }
-    lines = {
-        title: [
-            Line(f"{kind}, {reading}", conditions, kind, reading)
-            for kind, reading in (("apart", "printed"), ("ever", "printed"), ("ever", "reduced"))
-        ]
-        for title, conditions in panels.items()
-    }
-    made.append(
-        _saved(folder, "over-time", "Precision and recall over time", over_time(found, lines), TIME_CAPTION + told)
+        title = "The choices that the publication leaves"
+        made.append(draw.save(sweep(run, found), folder, "sweep", title, SWEEP_CAPTION))
+    made.append(draw.save(flocks, folder, "flocks", "Figures 4 and 5", FLOCKS_CAPTION + told, dots=True))
+    drawn = (
+        ("settings", "All settings", settings(found, arm), SETTINGS_CAPTION),
+        ("over-time", "Precision and recall over time", over_time(found, judged), TIME_CAPTION),
+        ("calibration", "Calibration", reliabilities(found, later), CALIBRATION_CAPTION),
     )
-    curves = {
-        title: [
-            Line(f"t + {horizon:g}", conditions, "ever", "printed", horizon)
-            for horizon in (HORIZONS[0], 1.0, HORIZONS[-1])
-        ]
-        for title, conditions in panels.items()
-    }
-    made.append(_saved(folder, "calibration", "Calibration", reliabilities(found, curves), CALIBRATION_CAPTION + told))
-    return made
+    return [*made, *(draw.save(canvas, folder, name, title, caption + told) for name, title, canvas, caption in drawn)]
 
 
 TABLES_CAPTION = (
@@ -157,8 +151,8 @@ def settings(found: Finished, arm: dict[str, Any]) -> Canvas:
         axis.set_title(
             f"{formation}, t = {start} to {start + 1}\nheld of those foretold to {what}", loc="left", fontsize=6
         )
-        for rank, alpha in enumerate((1.3, 1.6, 1.9)):
-            xs, shares = (1.0, 3.0, 5.0), []
+        for rank, alpha in enumerate(SIMULATIONS["alpha"]):
+            xs, shares = SIMULATIONS["beta"], []
             for strength in xs:
                 cell = {**arm, "formation": formation, "herd.law.range_m": alpha, "formation.strength": strength}
                 made = [one.outcomes() for one in found.counts(cell, start, 1.0)]
@@ -175,9 +169,9 @@ def settings(found: Finished, arm: dict[str, Any]) -> Canvas:
         told = published(__package__, "akama2014", table)[f"t{start}_to_t{start + 1}"]
         held, broke = COUNTS[3:0:-2] if intact else COUNTS[2::-2]
         if told[held] + told[broke]:
-            axis.plot(3.0, told[held] / (told[held] + told[broke]), "kx", ms=4)
+            axis.plot(STRENGTH, told[held] / (told[held] + told[broke]), "kx", ms=4)
         axis.set_ylim(-0.05, 1.05)
-        axis.set_xticks([1, 3, 5])
+        axis.set_xticks(SIMULATIONS["beta"], [f"{x:g}" for x in SIMULATIONS["beta"]])
         axis.tick_params(labelsize=6)
     handles, labels = axes[0].get_legend_handles_labels()
     canvas.legend(handles, labels, loc="outside upper center", ncols=3, frameon=False)
@@ -188,7 +182,3 @@ def _cell(values: Sequence[int], told: int) -> str:
     mean, low, high = mean_interval(np.array(values, dtype=float))
     interval = f" [{low:.1f}, {high:.1f}]" if np.isfinite(low) else ""
     return f"{mean:.1f}{interval}\npublished {told}" if values else f"-\npublished {told}"
-
-
-def _saved(folder: Path, name: str, title: str, canvas: Canvas, caption: str) -> Figure:
-    return draw.save(canvas, folder, name, title, caption)

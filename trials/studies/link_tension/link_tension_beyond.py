@@ -13,32 +13,24 @@ calibration.
 
 from __future__ import annotations
 
-from trials.simulations.kinematic.fields import group, trial
+import dataclasses
+
+from trials.studies.link_tension import link_tension
 from trials.studies.link_tension.beyond_figures import figures
-from trials.studies.link_tension.design import LINKED, with_links
+from trials.studies.link_tension.design import LINKED
 from trials.types import Trial
 
 REPEATS = 20
 RECORD = "none"
 CONDITIONS = {"herd.law": tuple(LINKED), "herd.count": (25, 100, 400), "formation.factor": (1.0, 3.0)}
-KEY_MEASURES = ("links", "links_foretold", "links_broken", "link_precision", "link_recall")
+KEY_MEASURES = link_tension.KEY_MEASURES
 
 
 def base(repeat: int) -> Trial:
     """A lattice in unbounded space."""
-    return trial(
-        "link-tension-beyond",
-        repeat,
-        [group("akama-naruse", 100)],
-        world="unbounded",
-        formation="velocity-variation",
-        keeps_way=False,
-    )
+    return dataclasses.replace(link_tension.base(repeat), experiment="link-tension-beyond")
 
 
-def finish(trial: Trial) -> Trial:
-    """Its links by its law, and its length."""
-    return with_links(trial)
-
+finish = link_tension.finish
 
 __all__ = ["CONDITIONS", "KEY_MEASURES", "RECORD", "REPEATS", "base", "figures", "finish"]

@@ -9,7 +9,7 @@ import numpy as np
 
 from flocking.measures.links import link_tension, links_within
 from flocking.types import Floats, Ints
-from trials.evidence.claims import Run
+from trials.evidence.runs import Run
 from trials.reports import figures as draw
 from trials.reports.figures import Canvas
 from trials.reports.ways import first_result

@@ -17,7 +17,7 @@ from trials.batch import series
 from trials.simulations.kinematic import fields, formations
 from trials.simulations.kinematic.fields import group, trial
 from trials.simulations.kinematic.recordings import write
-from trials.simulations.tracks import strips
+from trials.simulations.tracks import period_of, strips
 from trials.types import Trial
 
 EXACT = 1e-9
@@ -191,6 +191,13 @@ class TestResult:
         assert counts.tolist() == [1, 2]
         assert np.abs(np.diff(pieces, axis=1)).max() < 5.0
         assert strips(way, None)[1].tolist() == [2, 2]
+
+    def test_the_period_of_a_trial_is_the_side_of_its_periodic_world(self) -> None:
+        result = simulations.run_trial(straight(world="periodic"), reraise=True)
+        assert period_of(result) == result.period_m == fields.world_of(result.trial).size_m
+        assert period_of(series.unpack(series.pack(result))) == result.period_m
+        unbounded = simulations.run_trial(straight(world="unbounded"), reraise=True)
+        assert period_of(unbounded) is None
 
 
 class TestKeys:

@@ -15,10 +15,11 @@ from flocking.lawentry import OF_MEMBERS
 from sensing.types import NOBODY
 from trials.design import plan
 from trials.rows import Row
-from trials.simulations.robots import information
+from trials.simulations.robots import fields, information
 from trials.simulations.robots.herd import assemble
 from trials.simulations.robots.knowledge import COMPASS, GOAL, SOURCES
 from trials.simulations.robots.loop import run_trial
+from trials.simulations.robots.resolved import Resolved
 from trials.types import Group, Trial
 
 SECONDS = 2.0
@@ -46,8 +47,7 @@ def law(own, members, sets, obstacles, parameters, memory, u):
 
 
 def trial(group: Group, **changes: object) -> Trial:
-    base = Trial("detection-case-study", 1, 1, 1, "corridor", "single-group", SECONDS, (group,))
-    return dataclasses.replace(base, **changes)  # type: ignore[arg-type]
+    return fields.trial("detection-case-study", 1, [group], **{"duration_s": SECONDS, **changes})  # type: ignore[arg-type]
 
 
 def robots_of(group: Group):
@@ -64,9 +64,9 @@ def runnable(name: str) -> Group:
         if any(step.step is selection.Step.GRAPH for step in steps)
     ]
     text = "; ".join(f"{one}: fixed-set(0, 1, 2)" for one in graphs) or "all"
-    group = Group(count=3, law=name, selection=text, informed=1, goal_x_m=50.0)
+    group = fields.group(count=3, law=name, selection=text, informed=1, goal_x_m=50.0)
     try:
-        information.check(group)
+        information.check(Resolved(group))
     except InputError:
         return dataclasses.replace(group, pipeline="perfect")
     return group
@@ -79,7 +79,7 @@ def test_every_law_runs_on_creates(name: str) -> None:
     assert (done.outcome, done.reason) == ("done", "")
     assert np.isfinite(done.poses_w).all()
     assert np.isfinite(done.updates.commands).all()
-    assert len(done.updates.times) == pytest.approx(3 * SECONDS * group.rate_hz, abs=3)
+    assert len(done.updates.times) == pytest.approx(3 * SECONDS * fields.of_group(group).rate_hz, abs=3)
     assert np.ptp(done.poses_w[:, :, :2], axis=0).max() > 0.0
     if lawentry.module_of(name).NEEDS & OF_MEMBERS:
         assert done.updates.input_starts[-1] > 0, "somebody was seen"
@@ -97,14 +97,14 @@ class TestAssociation:
         ],
     )
     def test_it_is_at_work_only_where_it_is_needed(self, change: dict[str, str], works: bool) -> None:
-        assert all((robot.association is not None) == works for robot in robots_of(Group(count=2, **change)))
+        assert all((robot.association is not None) == works for robot in robots_of(fields.group(count=2, **change)))
 
     @pytest.mark.parametrize("pipeline", ["member-based", "sensor-based"])
     @pytest.mark.parametrize("obstacles", ["as-law", "virtual-members"])
     def test_a_law_never_sees_nan_in_what_it_needs(self, tmp_path: Path, pipeline: str, obstacles: str) -> None:
         path = tmp_path / "watcher.py"
         path.write_text(NAN_WATCHER)
-        group = Group(count=4, law=str(path), law_source=NAN_WATCHER, pipeline=pipeline, obstacles=obstacles)
+        group = fields.group(count=4, law=str(path), law_source=NAN_WATCHER, pipeline=pipeline, obstacles=obstacles)
         done = run_trial(trial(group, duration_s=4.0))
         assert (done.outcome, done.reason) == ("done", "")
         counts = np.diff(done.updates.input_starts)
@@ -113,7 +113,7 @@ class TestAssociation:
 
     def test_inputs_in_the_log_belong_to_the_robots_that_stand_there(self) -> None:
         """Each input of a member lies on the side of it that faces the focal one: within a radius of its centre."""
-        group = Group(count=6, law="couzin", pipeline="member-extrapolated", sensors="ideal")
+        group = fields.group(count=6, law="couzin", pipeline="member-extrapolated", sensors="ideal")
         updates = run_trial(trial(group, duration_s=5.0, formation="scattered")).updates
         poses_w, owned = {}, 0
         for u in range(len(updates.times)):
@@ -131,7 +131,7 @@ class TestAssociation:
         assert owned > 1000
 
     def test_a_recording_changes_nothing(self) -> None:
-        moving = trial(Group(count=3, law="vicsek"))
+        moving = trial(fields.group(count=3, law="vicsek"))
         np.testing.assert_array_equal(run_trial(moving).poses_w, run_trial(moving, scans="all").poses_w)
 
 
@@ -170,7 +170,7 @@ class TestValuesForCreates:
 class TestOneself:
     @pytest.mark.parametrize("source", SOURCES)
     def test_goal_and_compass_are_in_the_robots_own_frame(self, source: str) -> None:
-        group = Group(
+        group = fields.group(
             count=2,
             law="arkin-balch",
             pipeline="perfect",
@@ -197,7 +197,7 @@ class TestOneself:
     @pytest.mark.parametrize(("source", "place_m", "heading_rad"), [("true", 1e-9, 1e-9), ("commands", 0.05, 0.05)])
     def test_the_own_way_is_followed(self, source: str, place_m: float, heading_rad: float) -> None:
         """A second alone on a steady arc. `commands`: wheels lag 40 ms behind (10 mm, 1 degree) and slip a little."""
-        group = Group(count=1, law="hamilton-1d", own_motion=source)
+        group = fields.group(count=1, law="hamilton-1d", own_motion=source)
         herd = assemble(trial(group, world="open-floor"), record=False)
         robot, world = herd.robots[0], herd.world
         robot.apply((0.2, 0.4))
@@ -212,17 +212,17 @@ class TestOneself:
 
     def test_leaders_and_followers_make_one_herd(self) -> None:
         groups = (
-            Group(name="leader", count=1, law="jadbabaie", role=1),
-            Group(name="herd", count=2, law="vicsek", pipeline="perfect"),
+            fields.group(name="leader", count=1, law="jadbabaie", role=1),
+            fields.group(name="herd", count=2, law="vicsek", pipeline="perfect"),
         )
-        mixed = dataclasses.replace(trial(Group()), groups=groups)
+        mixed = dataclasses.replace(trial(fields.group()), groups=groups)
         robots = assemble(mixed, record=False).robots
         assert [robot.role for robot in robots] == [1, 0, 0]
         assert [robot.law.name for robot in robots] == ["jadbabaie", "vicsek", "vicsek"]
         assert run_trial(mixed).outcome == "done"
 
     def test_perfect_ids_are_the_robots_indices(self) -> None:
-        herd = assemble(trial(Group(count=4, law="kelly-keating", pipeline="perfect")), record=False)
+        herd = assemble(trial(fields.group(count=4, law="kelly-keating", pipeline="perfect")), record=False)
         poses_w = herd.world.fleet.poses(herd.world.data)
         robot = herd.robots[2]
         senses, _ = robot.sense(herd.world.data, 0.0, herd.world_truth(2, poses_w), record=False)
@@ -233,7 +233,7 @@ class TestObstacles:
     def straight(self, tmp_path: Path, obstacles: str) -> Group:
         path = tmp_path / "straight.py"
         path.write_text(STRAIGHT_ON)
-        return Group(count=4, law=str(path), law_source=STRAIGHT_ON, pipeline="perfect", obstacles=obstacles)
+        return fields.group(count=4, law=str(path), law_source=STRAIGHT_ON, pipeline="perfect", obstacles=obstacles)
 
     def test_avoidance_keeps_a_law_that_has_none_off_the_walls(self, tmp_path: Path) -> None:
         walls = {}
@@ -248,7 +248,7 @@ class TestObstacles:
         assert walls["avoid"] == 0
 
     def test_virtual_members_are_seen_by_the_law_and_stay_out_of_the_log(self) -> None:
-        group = Group(count=2, law="tanner-switching", pipeline="perfect", obstacles="virtual-members")
+        group = fields.group(count=2, law="tanner-switching", pipeline="perfect", obstacles="virtual-members")
         herd = assemble(trial(group), record=False)
         robot = herd.robots[0]
         poses_w = herd.world.fleet.poses(herd.world.data)
@@ -263,7 +263,7 @@ class TestObstacles:
 
     def test_obstacles_are_selected(self) -> None:
         herd = assemble(
-            trial(Group(count=2, law="turgut", pipeline="perfect", obstacle_selection="nearest")), record=False
+            trial(fields.group(count=2, law="turgut", pipeline="perfect", obstacle_selection="nearest")), record=False
         )
         robot = herd.robots[0]
         poses_w = herd.world.fleet.poses(herd.world.data)
@@ -278,9 +278,9 @@ class TestObstacles:
         for law in ("snn+", f"{path}+"):
             group = plan("detection-case-study", repeats=1, law=law).trials[0].groups[0]
             assert group.law == law.removesuffix("+")
-            assert group.obstacles == "avoid"
+            assert group.setup["obstacles"] == "avoid"
         swept = plan("detection-case-study", repeats=1, sweep={"herd.law": ["snn", "snn+"]}).trials
-        assert {one.groups[0].obstacles for one in swept} == {"as-law", "avoid"}
+        assert {fields.of_group(one.groups[0]).obstacles for one in swept} == {"as-law", "avoid"}
 
 
 def test_sets_are_replaced_by_their_names() -> None:
@@ -290,14 +290,14 @@ def test_sets_are_replaced_by_their_names() -> None:
         law="couzin",
         settings={"herd.selection": "interaction: k-nearest(2); repulsion: nearest"},
     )
-    steps = information.selections(made.trials[0].groups[0])
+    steps = Resolved(made.trials[0].groups[0]).selections
     assert [[step.step.name for step in one] for one in steps] == [["NEAREST"], ["K_NEAREST"]]
     limited = plan("detection-case-study", repeats=1, law="couzin", settings={"herd.selection": "nearest"})
-    steps = information.selections(limited.trials[0].groups[0])
+    steps = Resolved(limited.trials[0].groups[0]).selections
     assert [[step.step.name for step in one] for one in steps] == [["NEAREST", "DISTANCE_BASED"]] * 2
 
 
 @pytest.mark.parametrize("change", [{"own_motion": "compass"}, {"association": "three"}, {"obstacles": "avoids"}])
 def test_names_that_do_not_exist_are_refused(change: dict[str, str]) -> None:
     with pytest.raises(InputError, match=next(iter(change))):
-        run_trial(trial(Group(**change)))  # type: ignore[arg-type]
+        run_trial(trial(fields.group(**change)))  # type: ignore[arg-type]

@@ -16,18 +16,22 @@ from flocking.types import Kind
 from trials.design import plan
 from trials.simulations.robots.loop import run_trial
 from trials.streams import Purpose, stream
-from trials.types import Trial, TrialResult
+from trials.types import Group, Trial, TrialResult, Value, with_setup
 
 PIPELINES = tuple(sorted(found.modules("sensing.pipelines")))
 
 
-def trial(**changes: object) -> Trial:
+def trial(**changes: Value) -> Trial:
     base = plan("detection-case-study", repeats=1).trials[1]
-    return dataclasses.replace(base, **{"duration_s": 3.0, **changes})  # type: ignore[arg-type]
+    world = {"world": str(changes.pop("world"))} if "world" in changes else {}
+    return with_setup(dataclasses.replace(base, **world), {"duration_s": 3.0, **changes})
 
 
-def herd(base: Trial, **changes: object) -> Trial:
-    return dataclasses.replace(base, groups=(dataclasses.replace(base.groups[0], **changes),))  # type: ignore[arg-type]
+def herd(base: Trial, **changes: Value) -> Trial:
+    own = {field.name for field in dataclasses.fields(Group)}
+    group = with_setup(base.groups[0], {key: value for key, value in changes.items() if key not in own})
+    named = {key: value for key, value in changes.items() if key in own}
+    return dataclasses.replace(base, groups=(dataclasses.replace(group, **named),))  # type: ignore[arg-type]
 
 
 @cache
@@ -73,7 +77,7 @@ class TestEveryPipeline:
 
     @pytest.mark.parametrize("mode", ["half-resolution", "strong-code"])
     def test_a_recording_changes_nothing_in_any_mode_of_intensity(self, pipeline: str, mode: str) -> None:
-        moded = herd(trial(duration_s=1.0), pipeline=pipeline, sensor_parameters={"intensity_mode": mode})
+        moded = herd(trial(duration_s=1.0), pipeline=pipeline, **{"sensors.intensity_mode": mode})
         assert_same(run_trial(moded), run_trial(moded, scans="all"))
 
     def test_inputs_belong_to_updates(self, pipeline: str) -> None:

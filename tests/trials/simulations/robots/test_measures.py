@@ -10,8 +10,9 @@ import pytest
 
 from flocking.types import Floats, Kind
 from sensing.truth import DETECTED, HIDDEN, MISSED
+from trials.simulations.robots import fields
 from trials.simulations.robots.measures import ABOUT, measure, nearest_inputs, way_point_angles
-from trials.types import Contacts, Group, Trial, TrialResult, Updates
+from trials.types import Contacts, TrialResult, Updates
 
 RULES = ("none", "snn", "hamilton", "perpendicular")
 NAN = (math.nan, math.nan)
@@ -64,7 +65,7 @@ def trial_of(
         points_w=np.zeros((len(others), 2)),
     )
     return TrialResult(
-        trial=Trial("made-up", 1, 0, 1, "open-floor", "pair", 10.0, (Group(count=robots),)),
+        trial=fields.trial("made-up", 1, [fields.group(count=robots)], world="open-floor", duration_s=10.0),
         times=times,
         poses_w=poses_w,
         odometry=poses_w,
@@ -73,6 +74,7 @@ def trial_of(
         radii=np.full(robots, 0.165),
         rules=(RULES,) * robots,
         walls_w=np.empty((0, 4)),
+        period_m=math.nan,
         updates=updates,
         contacts=touches,
         scans=None,

@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from flocking.types import Floats
+from sensing.laser.draws import range_draws
 from sensing.laser.hokuyo import SETTINGS, Lasers
 from trials.types import Trial
 from worlds import assemble
@@ -47,8 +48,8 @@ def driven(timestep: float) -> Outcome:
     world.advance(to=round(SECONDS / timestep))
     roots = [int(root) for root in world.fleet.root_bodies]
     lasers = Lasers(world.whole, [f"{name}/laser" for name in names], roots, [SETTINGS["ideal"]] * 6)
-    rng = np.random.default_rng(0)
-    ranges = [lasers.read(world.data, k, world.data.time, rng)[0].ranges for k in range(6)]
+    draws = range_draws(np.random.default_rng(0))
+    ranges = [lasers.read(world.data, k, world.data.time, draws)[0].ranges for k in range(6)]
     return Outcome(world.fleet.poses(world.data), world.fleet.odometry, np.array(ranges))
 
 

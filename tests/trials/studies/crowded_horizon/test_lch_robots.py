@@ -15,12 +15,13 @@ from tests.trials.made_up_run import MadeUpRun, finished
 from tests.trials.simulations.robots.test_measures import NAN, trial_of
 from trials import simulations
 from trials.design import plan
+from trials.simulations.robots import fields
 from trials.simulations.robots.measures_following import followed, following
 from trials.studies.crowded_horizon.figures import VARIATIONS
 from trials.studies.crowded_horizon.lch_robots import claims
 from trials.studies.crowded_horizon.robots_claims import THRESHOLDS
 from trials.studies.crowded_horizon.robots_figures import longest_blind, most_followed
-from trials.types import Group, TrialResult
+from trials.types import TrialResult
 
 AHEAD, BESIDE, NEAR_IT = (1.0, 0.0, 1), (0.0, 1.2, 2), (0.1, 1.2, 0)
 
@@ -38,7 +39,7 @@ def watched(law: str) -> TrialResult:
         ],
         robots=3,
     )
-    return dataclasses.replace(result, trial=dataclasses.replace(result.trial, groups=(Group(count=3, law=law),)))
+    return dataclasses.replace(result, trial=dataclasses.replace(result.trial, groups=(fields.group(law, 3),)))
 
 
 @pytest.mark.parametrize(

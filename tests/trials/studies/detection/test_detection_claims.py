@@ -15,7 +15,8 @@ import pytest
 sys.path.insert(0, str(Path(__file__).parents[2]))
 from made_up_run import MadeUpRun, made_up_run
 
-from trials.evidence.claims import Cells, Entry, Run, UndecidedError, published
+from trials.evidence.claims import Entry, published
+from trials.evidence.runs import Cells, Run, UndecidedError
 from trials.studies.detection.claims import claims
 from trials.studies.detection.judges import KEYS
 

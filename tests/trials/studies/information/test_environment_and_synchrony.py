@@ -25,7 +25,7 @@ def test_the_settings_of_a_law() -> None:
     trials = plan("environment-and-synchrony", repeats=1, settings={"herd.law": LAW}).trials
     herd = law_survey.herd_of(LAW)
     assert len(trials) == len(SETTINGS) == 10
-    assert not any(t.world == "unbounded" and t.groups[0].kinematics["obstacles"] == "avoid" for t in trials)
+    assert not any(t.world == "unbounded" and t.groups[0].setup["obstacles"] == "avoid" for t in trials)
     sizes = {trial.world_parameters.get("size_m") for trial in trials}
     assert sizes == {None, 3.0 * 5.0 * herd.spacing_m}
     assert {trial.formation for trial in trials} == {"single-group"}
@@ -35,14 +35,14 @@ def test_members_that_feel_their_way_are_solid_and_so_is_their_control() -> None
     trials = plan("environment-and-synchrony", repeats=1, settings={"herd.law": BUMPER}).trials
     assert [trial.groups[0].law for trial in trials] == [BUMPER, CONTROL] * 6
     for one, other in zip(trials[::2], trials[1::2], strict=True):
-        assert one.groups[0].kinematics["radius_m"] == other.groups[0].kinematics["radius_m"] == RADIUS_M
-        assert one.kinematics["steps"] == other.kinematics["steps"]
+        assert one.groups[0].setup["radius_m"] == other.groups[0].setup["radius_m"] == RADIUS_M
+        assert one.setup["steps"] == other.setup["steps"]
         assert one.world_parameters == other.world_parameters
 
 
 def losing(**by: float) -> object:
     def measures(trial: Trial) -> Mapping[str, float]:
-        harmed = trial.kinematics.get("synchronous") is False
+        harmed = trial.setup.get("synchronous") is False
         return {name: value + (by.get(name, 0.0) if harmed else 0.0) for name, value in FLOCK.items()}
 
     return measures

@@ -80,11 +80,11 @@ def test_the_cells_of_a_law_and_its_control_stand_in_its_own_herd() -> None:
     group = f"densest-distance({herd.spacing_m:g})"
     assert {trial.groups[0].selection for trial in of_law} == {"all", group, "densest-angle(10)"}
     for trial in of_law:
-        assert trial.groups[0].kinematics["silhouette_m"] == BODY * herd.spacing_m
-        assert trial.groups[0].kinematics["assumed_distance_m"] == herd.spacing_m
-        assert trial.kinematics["steps"] == control.kinematics["steps"]
+        assert trial.groups[0].setup["silhouette_m"] == BODY * herd.spacing_m
+        assert trial.groups[0].setup["assumed_distance_m"] == herd.spacing_m
+        assert trial.setup["steps"] == control.setup["steps"]
     assert control.groups[0].law == "random-motion"
-    assert control.formation_parameters["spacing_m"] == control.kinematics["cut_m"] == herd.spacing_m
+    assert control.formation_parameters["spacing_m"] == control.setup["cut_m"] == herd.spacing_m
     assert control.groups[0].law_parameters["speed_m_s"] == herd.speed_m_s
 
 
@@ -93,7 +93,7 @@ def test_each_variation_of_lch_is_asked_what_it_reads_by_itself() -> None:
     assert len(of_law) == 16
     for trial in of_law:
         assert trial.groups[0].selection == "all"
-        assert trial.groups[0].kinematics["information"] == trial.groups[0].law.rpartition("-")[2].replace(
+        assert trial.groups[0].setup["information"] == trial.groups[0].law.rpartition("-")[2].replace(
             "pose", "poses"
         ).replace("bearing", "bearings")
     assert len({(trial.groups[0].law, trial.groups[0].pipeline) for trial in of_law}) == 16
@@ -102,7 +102,7 @@ def test_each_variation_of_lch_is_asked_what_it_reads_by_itself() -> None:
 def test_what_the_user_sets_stands() -> None:
     asked = {"herd.law": LCH, "herd.silhouette_m": 0.2, "steps": 7}
     first, *_ = plan("information-abstraction", repeats=1, settings=asked).trials
-    assert (first.groups[0].kinematics["silhouette_m"], first.kinematics["steps"]) == (0.2, 7)
+    assert (first.groups[0].setup["silhouette_m"], first.setup["steps"]) == (0.2, 7)
 
 
 def test_a_law_that_takes_no_part_is_refused_in_one_line() -> None:

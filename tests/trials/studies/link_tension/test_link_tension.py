@@ -17,12 +17,12 @@ from flocking.kinematic import Band, simulate
 from flocking.measures.links import link_lengths, link_outcomes, link_tension, links_within
 from trials import design
 from trials.batch.store import Row
-from trials.evidence.claims import UndecidedError
+from trials.evidence.runs import Cells, UndecidedError
 from trials.evidence.statistics import mean_interval
 from trials.simulations.kinematic import fields, lattice_starts, links
 from trials.simulations.kinematic.lattice_starts import BOTH, POSITION, VELOCITY
 from trials.simulations.kinematic.loop import run_trial
-from trials.studies.link_tension.claims import KEYS, Linked, claims
+from trials.studies.link_tension.claims import KEYS, claims, contingency
 from trials.studies.link_tension.design import LINKED, with_links
 from trials.studies.link_tension.estimates import one_more, precision, ratio, recall, reliability
 from trials.studies.link_tension.pictures import again, snapshots
@@ -300,7 +300,7 @@ def test_what_the_user_sets_stays() -> None:
     trial = design.plan("link-tension", repeats=1, settings={"steps": 7, "timestep_s": 0.1}).trials[0]
     assert fields.of_trial(trial).steps == 7
     swept = design.plan("link-tension", repeats=1, sweep={"herd.law.spring_per_s2": [1.0, 4.0]}).trials
-    assert {trial.links["stiffness_per_s2"] for trial in swept} == {1.0, 4.0}
+    assert {trial.setup["links.stiffness_per_s2"] for trial in swept} == {1.0, 4.0}
 
 
 def test_a_law_whose_links_are_not_known_is_refused() -> None:
@@ -356,11 +356,11 @@ def test_every_table_number_and_claim_has_an_entry(run: _Run) -> None:
 
 
 def test_tables_add_up_to_the_links(run: _Run) -> None:
-    cells = Linked(run.trials, run.rows(), KEYS)
-    made = cells.outcomes(0, VELOCITY, 1.6, 3.0)
+    cells = Cells(run.trials, run.rows(), KEYS)
+    made = contingency(cells, 0, VELOCITY, 1.6, 3.0)
     assert {sum(one) for one in made.values() if one is not None} == {261}
     with pytest.raises(UndecidedError):
-        cells.outcomes(0, VELOCITY, 1.3, 3.0)
+        contingency(cells, 0, VELOCITY, 1.3, 3.0)
 
 
 def test_the_reports_figures_are_drawn(run: _Run, tmp_path: Path) -> None:

@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
-from flocking import lawentry
 from trials.reports.figures import STYLE, Canvas
-from trials.simulations.kinematic import fields
-from trials.types import Trial
 
 COLOURS = {True: "#9ad3ab", False: "#eaa29c", None: "#d9d9d9"}
 ABSENT = "#ffffff"
@@ -46,15 +43,3 @@ def verdict_map(rows: Mapping[str, Sequence[Square | None]], columns: Sequence[s
     for side in axis.spines.values():
         side.set_visible(False)
     return canvas
-
-
-def without_goals(trials: Iterable[Trial]) -> str:
-    """In a sentence, the laws of kinematic trials that can have a goal and are given none; empty if there are none."""
-    names = {
-        group.law
-        for trial in trials
-        for group in trial.groups
-        if "goal" in lawentry.needs_of(lawentry.module_of(group.law, group.law_source))
-        and fields.of_group(group).informed_share == 0.0
-    }
-    return f"Of the laws with goals, these run without one here: {', '.join(sorted(names))}." if names else ""

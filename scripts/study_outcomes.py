@@ -1,8 +1,8 @@
-"""Writes the outcomes of runs of the flocking experiments into docs/flocking.md.
+"""Writes the outcomes of runs of a study into its page, docs/STUDY.md.
 
-    python -m scripts.flocking_outcomes runs/lch-table-4-1/001 runs/hamilton-1971/001 …
+    python -m scripts.study_outcomes runs/lch-table-4-1/001 runs/lch-robots/001 …
 
-One table a run, in the order given. Numbers come from `herd report`, never from here.
+One table a run, in the order given; all runs are of one study. Numbers come from `herd report`, never from here.
 """
 
 from __future__ import annotations
@@ -15,30 +15,45 @@ from types import ModuleType
 
 from flocking.errors import InputError
 from trials.batch.store import Store, opened
-from trials.design import load
-from trials.evidence.summary import cells, key_measures, mean, named
-from trials.reports.report import VERDICTS, counted, report, shown_interval, shown_number
+from trials.design import experiments, load
+from trials.evidence.summary import cells, mean, named
+from trials.reports.report import report
+from trials.reports.wording import VERDICTS, counted, key_measures, shown_interval, shown_number
+from trials.simulations import measures_of
 
-PAGE = Path(__file__).parents[1] / "docs" / "flocking.md"
+DOCS = Path(__file__).parents[1] / "docs"
 BEGIN, END = "<!-- outcomes: begin", "<!-- outcomes: end -->"
 MOST_ROWS = 60
 """Entries of a run that the page shows; the report has them all."""
 
 
 def main(folders: Sequence[str]) -> None:
-    """Replaces what stands between the page's marks."""
+    """Replaces what stands between the marks of the page of the runs' study."""
+    page = _page(folders)
     parts = [
         "## Outcomes",
         "",
-        "Made by `python -m scripts.flocking_outcomes` from these runs; `herd report` has more.",
+        "Made by `python -m scripts.study_outcomes` from these runs; `herd report` has more.",
     ]
     for folder in folders:
         parts += ["", *_run(Path(folder))]
-    text = PAGE.read_text(encoding="utf-8")
+    text = page.read_text(encoding="utf-8")
     start, end = text.index(BEGIN), text.index(END)
     mark = text[start : text.index("-->", start) + 3]
     body = "\n".join(parts)
-    PAGE.write_text(f"{text[:start]}{mark}\n\n{body}\n\n{text[end:]}", encoding="utf-8")
+    page.write_text(f"{text[:start]}{mark}\n\n{body}\n\n{text[end:]}", encoding="utf-8")
+
+
+def _page(folders: Sequence[str]) -> Path:
+    """The page of the study that all these runs are of."""
+    known, studies = experiments(), set()
+    for folder in folders:
+        store = opened(Path(folder))
+        studies.add(known[store.run["experiment"]].split(".")[-2])
+        store.close()
+    if len(studies) != 1:
+        raise InputError(f"runs of {len(studies)} studies: expected runs of one")
+    return DOCS / f"{studies.pop()}.md"
 
 
 def _run(folder: Path) -> list[str]:
@@ -56,9 +71,9 @@ def _run(folder: Path) -> list[str]:
     for entry in entries[:MOST_ROWS]:
         low, high = (float("nan") if entry[key] is None else entry[key] for key in ("low", "high"))
         measured = "-" if entry["measured"] is None else shown_number(entry["measured"])
-        published = entry["published"] if entry["published"] is not None else "-"
         arm = f"{named(entry['arm'])}: " if "arm" in entry else ""
-        row = (published, f"{arm}{entry['quantity']}", measured, shown_interval(low, high) or "-", entry["n"] or "-")
+        interval = shown_interval(low, high) or "-"
+        row = (entry["claim"], f"{arm}{entry['quantity']}", measured, interval, entry["n"] or "-")
         lines.append(f"| {' | '.join(str(cell).replace('|', '/') for cell in row)} | {VERDICTS[entry['agrees']]} |")
     if len(entries) > MOST_ROWS:
         lines.append(f"\n… and {len(entries) - MOST_ROWS} more in the report.")
@@ -69,7 +84,7 @@ def _means(store: Store, experiment: ModuleType) -> list[str]:
     """The key measures of each cell of an experiment that nothing published is held against."""
     names = key_measures(store, experiment)
     lines = [f"| means over the repeats | {' | '.join(names)} |", f"|---{'|---' * len(names)}|"]
-    for cell in cells(store):
+    for cell in cells(store, measures_of(store.trials)):
         numbers = [mean(cell, name) for name in names]
         told = [f"{shown_number(n.measured)} {shown_interval(n.low, n.high)}".strip() for n in numbers]
         lines.append(f"| {named(cell.conditions)} | {' | '.join(told)} |")
@@ -80,4 +95,4 @@ if __name__ == "__main__":
     try:
         main(sys.argv[1:])
     except InputError as error:
-        sys.exit(f"scripts.flocking_outcomes: {error}")
+        sys.exit(f"scripts.study_outcomes: {error}")

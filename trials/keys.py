@@ -1,0 +1,103 @@
+"""Dotted keys: every number and name of a trial can be set by one, as in `herd.law.repulsion_m`.
+
+Which keys there are, each simulation declares (`Simulation.keys_of`); how they are put and listed is said here, once.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from flocking import found, lawentry, selection
+from flocking.errors import unknown_name
+from flocking.parameters import Parameter, checked, declared
+from trials import simulations
+from trials.rows import Row, Section, rows_of, told
+from trials.types import Group, Trial
+
+AVOIDS = "+"
+"""Behind a law's name: with the avoidance of obstacles that all laws share."""
+_OF_TRIAL = {"world.": "world_parameters", "formation.": "formation_parameters"}
+_OF_GROUP = {"law.": "law_parameters", "pipeline.": "pipeline_parameters", "spread.": "spread"}
+"""Where the values of a section are kept; those of all others are in the setup."""
+
+
+def put(trial: Trial, key: str, value: Any) -> Trial:
+    """`trial` with one key set; the value is checked. Raises `InputError` naming the nearest keys."""
+    first, _, rest = key.partition(".")
+    number = next((g for g, group in enumerate(trial.groups) if rest and group.name == first), None)
+    group = trial.groups[number] if number is not None else None
+    for section, prefix, name in _candidates(trial, group, key if group is None else rest):
+        if section.prefix != prefix or name not in section.parameters:
+            continue
+        value = checked(key, value, section.parameters[name])
+        if group is None or number is None:
+            return _placed(trial, _OF_TRIAL, prefix, name, value)
+        changed = _group_with(group, prefix, name, value)
+        return dataclasses.replace(trial, groups=(*trial.groups[:number], changed, *trial.groups[number + 1 :]))
+    raise unknown_name("parameter", key, _nearby(trial, group, key))
+
+
+def rows(trial: Trial, sources: Mapping[str, Parameter] | None = None) -> list[Row]:
+    """Every key of a trial with value, unit and source; `sources` are the experiment's own words for some."""
+    keys_of = simulations.of(trial).keys_of
+    found_rows = [row for section in keys_of(trial) for row in rows_of(section)]
+    for group in trial.groups:
+        found_rows += [row for section in keys_of(trial, group) for row in rows_of(section, f"{group.name}.")]
+    return [told(row, (sources or {}).get(row.key)) for row in found_rows]
+
+
+def has(trial: Trial, key: str) -> bool:
+    """Whether a trial has such a key."""
+    first, _, rest = key.partition(".")
+    group = next((group for group in trial.groups if rest and group.name == first), None)
+    candidates = _candidates(trial, group, key if group is None else rest)
+    return any(section.prefix == prefix and name in section.parameters for section, prefix, name in candidates)
+
+
+def _candidates(trial: Trial, group: Group | None, local: str) -> Iterator[tuple[Section, str, str]]:
+    prefix, dot, name = local.rpartition(".")
+    for section in simulations.of(trial).keys_of(trial, group):
+        yield section, f"{prefix}{dot}", name
+
+
+def _nearby(trial: Trial, group: Group | None, key: str) -> list[str]:
+    """The keys that may be meant: those of the key's own section, or all that are shown."""
+    start = f"{group.name}." if group is not None else ""
+    prefix = key.removeprefix(start).rpartition(".")[0]
+    sections = simulations.of(trial).keys_of(trial, group) if prefix else []
+    own = [name for section in sections if section.prefix == f"{prefix}." for name in section.parameters]
+    return [f"{start}{prefix}.{name}" for name in own] or [row.key for row in rows(trial)]
+
+
+def _placed(kept: Any, places: Mapping[str, str], prefix: str, name: str, value: Any) -> Any:
+    """A trial or a group with one value more: in a field of that name, in its section's field or in the setup."""
+    if not prefix and name in {field.name for field in dataclasses.fields(kept)}:
+        return dataclasses.replace(kept, **{name: value})
+    field, key = (places[prefix], name) if prefix in places else ("setup", f"{prefix}{name}")
+    return dataclasses.replace(kept, **{field: {**getattr(kept, field), key: value}})
+
+
+def _group_with(group: Group, prefix: str, name: str, value: Any) -> Group:
+    if prefix or name not in ("law", "pipeline", "selection"):
+        return _placed(group, _OF_GROUP, prefix, name, value)
+    if name == "law":
+        return _with_law(group, value)
+    if name == "pipeline":
+        return dataclasses.replace(group, pipeline=value, pipeline_parameters={})
+    law = lawentry.module_of(group.law, group.law_source)
+    selection.parse_sets(value, lawentry.sets_of(law), declared(law.Parameters))
+    return dataclasses.replace(group, selection=value)
+
+
+def _with_law(group: Group, value: str) -> Group:
+    """Another law, without parameters; a `+` behind its name adds the avoidance of obstacles that all laws share."""
+    name = value.removesuffix(AVOIDS)
+    if lawentry.is_path(name):
+        law, source = name, lawentry.read_source(name)
+    else:
+        found.load("flocking.laws", name, "law")
+        law, source = name.replace("_", "-"), ""
+    setup = {**group.setup, "obstacles": "avoid"} if name != value else group.setup
+    return dataclasses.replace(group, law=law, law_source=source, law_parameters={}, spread={}, setup=setup)

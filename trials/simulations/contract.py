@@ -1,0 +1,56 @@
+"""What a simulation is: one way to run a trial. Each is a folder beside this file, with its own `SIMULATION`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Protocol
+
+from trials.rows import Section
+from trials.types import Group, Measure, Trial, TrialResult
+
+
+class KeysOf(Protocol):
+    """The keys of a trial, or of one of its groups."""
+
+    def __call__(self, trial: Trial, group: Group | None = None) -> list[Section]: ...
+
+
+@dataclass(frozen=True)
+class Simulation:
+    """The functions and tables of a simulation. All that raise for what a user gave raise `InputError`."""
+
+    keys_of: KeysOf
+    """The sections of declared parameters: those of the trial, or those of a group. Values that are no fields of
+    `Trial` or `Group` stand in their `setup`."""
+    check: Callable[[Trial], None]
+    """Refuses, before anything is run, a trial whose names and numbers do not fit one another."""
+    settled: Callable[[Trial], Trial]
+    """The trial with the values written down that its names stand for, so that its run's folder tells them."""
+    run_trial: Callable[[Trial, str, bool], TrialResult]
+    """(trial, scans to keep: none, some or all; whether to raise what goes wrong) → what was measured."""
+    record: Callable[[TrialResult, Path], None]
+    """Writes the recording of a finished trial, with its screen."""
+    measures: Mapping[str, Measure]
+    """Unit and meaning of every measure, in the order in which they are shown."""
+    key_measures: tuple[str, ...]
+    """The measures that a first look at a report needs."""
+    limit_s: Callable[[Trial], float]
+    """Wall time (s) after which a trial counts as hung: some hundred times what it takes."""
+    moment: Callable[[Trial], Trial]
+    """The first moment of a trial, for whatever wants its code run quickly."""
+    prepare: Callable[[], None]
+    """Imports all that a trial needs, in a worker before its first trial."""
+    at_step: Callable[[Trial, int], str]
+    """When a step is, in words: `at 0.50 s`."""
+    listed: Callable[[str], Mapping[str, object]]
+    """(kind: `bodies`, `worlds` or `formations`) → by the name that `herd list` shows, what its docstring tells of."""
+    constants: Callable[[Trial], list[str]]
+    """Modules whose constants `herd show` lists with a trial."""
+    has_scans: bool = False
+    """Whether there are scans that a recording can keep."""
+    world_xml: Callable[[Trial], str] | None = None
+    """The trial's world as MJCF; None if there is none."""
+    headings: Mapping[str, str] = field(default_factory=dict)
+    """The measures of the terminal's table, and their headings; where there are none: the key measures."""

@@ -1,0 +1,82 @@
+"""What is refused before anything of a trial of robots is built."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from flocking.errors import InputError
+from flocking.parameters import filled
+from flocking.types import Floats
+from trials.simulations import spread
+from trials.simulations.robots import information
+from trials.simulations.robots.fields import GroupFields, TrialFields, of_trial, world_of
+from trials.simulations.robots.log import SAMPLE_S
+from trials.simulations.robots.resolved import Resolved
+from trials.simulations.robots.starts import check_starts, starting_poses
+from trials.types import Trial
+
+
+def check(trial: Trial) -> None:
+    """Refuses a trial whose names and numbers do not fit one another: `InputError`.
+
+    Clocks must be whole numbers of physics steps; no robot may be told to drive faster than its body can; all must
+    start apart and within the walls; and none may be able to leave its world behind.
+    """
+    given = of_trial(trial)
+    if not trial.groups:
+        raise InputError("the trial has no robots: expected a group")
+    ticks(SAMPLE_S, given.timestep_s, "the time between samples", at_least=1)
+    groups = [Resolved(group) for group in trial.groups]
+    for number, its in enumerate(groups):
+        its.look_all_up()
+        clock(its.group.name, its.given, given.timestep_s)
+        if its.given.speed_m_s > its.body.top_speed:
+            raise InputError(
+                f"{its.group.name}.speed_m_s = {its.given.speed_m_s:g}: expected at most {its.body.top_speed:g} m/s, "
+                f"the top speed of body {its.body.name!r}"
+            )
+        information.check(its)
+        spread.check(trial, number, its.law_parameters._asdict())
+    world = world_of(trial)
+    walls = filled(world.Parameters, trial.world_parameters, prefix="world.")
+    radii = np.repeat([its.body.radius for its in groups], [its.given.count for its in groups])
+    poses_w = starting_poses(trial)
+    widest, fastest = float(radii.max()), max(its.given.speed_m_s for its in groups)
+    _check_reach(trial, given, poses_w, float(world.free_length(walls, widest)), fastest, widest)
+    names = [f"{group.name}-{k + 1}" for group in trial.groups for k in range(group.count)]
+    check_starts(names, poses_w, radii, world.walls(walls).segments)
+
+
+def _check_reach(
+    trial: Trial, given: TrialFields, poses_w: Floats, free_length: float, fastest: float, radius: float
+) -> None:
+    """`fastest` (m/s) and `radius` (m): of the fastest and of the widest robot."""
+    reach = float(np.abs(poses_w[:, 0]).max()) + fastest * given.duration_s
+    if reach > free_length:
+        needed = math.ceil(2 * (reach + radius))
+        raise InputError(
+            f"world {trial.world!r} reaches {free_length:.1f} m to each side and a robot could go {reach:.1f} m; "
+            f"expected a longer one: --set world.length_m={needed}"
+        )
+
+
+def clock(name: str, given: GroupFields, timestep: float) -> tuple[int, int]:
+    """Ticks between the updates of a robot of the group of that name, and from its sensing to its acting.
+
+    Raises `InputError` if they are not whole.
+    """
+    period = ticks(1.0 / given.rate_hz, timestep, f"1 / {name}.rate_hz", at_least=1)
+    return period, ticks(given.latency_s, timestep, f"{name}.latency_s", at_least=0)
+
+
+def ticks(seconds: float, timestep: float, what: str, at_least: int) -> int:
+    """A duration in whole physics steps; `InputError` if it is not a whole number of them."""
+    count = seconds / timestep
+    if abs(count - round(count)) > 1e-6 * max(1.0, count) or round(count) < at_least:
+        raise InputError(
+            f"{what} = {seconds:g} s: expected a multiple of the physics time step ({timestep:g} s), "
+            f"at least {at_least * timestep:g} s"
+        )
+    return round(count)

@@ -1,0 +1,204 @@
+"""What a trial of robots and its groups can be given, with units and sources; how they are made."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Annotated, Any, NamedTuple
+
+from flocking import found, obstacle_selection
+from flocking.errors import unknown_name
+from flocking.parameters import Parameter, filled
+from robots import body as bodies
+from sensing.laser import hokuyo
+from trials.rows import below
+from trials.simulations.robots.knowledge import SOURCES
+from trials.types import Group, Trial, Value
+from worlds import formations
+
+NAME = "robots"
+PIPELINES, WORLDS = "sensing.pipelines", "worlds"
+TWO_SCANS, NO_ASSOCIATION = ASSOCIATIONS = ("two-scans", "none")
+AS_LAW, AVOID, VIRTUAL = OBSTACLE_CHOICES = ("as-law", "avoid", "virtual-members")
+TOGETHER = "together"
+"""The formation of a group that stands in the trial's."""
+SENSORS, ASSOCIATION, AVOIDANCE = "sensors.", "association.", "avoidance."
+
+
+def world_names() -> list[str]:
+    """The worlds that robots can be put into."""
+    names = sorted(found.modules(WORLDS))
+    return [name for name in names if callable(getattr(found.load(WORLDS, name, "world"), "walls", None))]
+
+
+def body_names() -> list[str]:
+    """The bodies that a robot can have."""
+    return list(bodies.names())
+
+
+def pipeline_names() -> list[str]:
+    """The member detections that a robot can have."""
+    return sorted(found.modules(PIPELINES))
+
+
+def formation_names() -> list[str]:
+    """The starting formations of robots."""
+    return list(formations.FORMATIONS)
+
+
+def own_formation_names() -> list[str]:
+    """What a group can say of its own formation."""
+    return [TOGETHER, *formations.FORMATIONS]
+
+
+class TrialFields(NamedTuple):
+    """What a trial has beside its groups."""
+
+    duration_s: Annotated[
+        float,
+        Parameter("s", "at least a minute: the length of the trials was not published", low=0.1, high=86400.0),
+    ] = 60.0
+    timestep_s: Annotated[
+        float,
+        Parameter(
+            "s",
+            "of physics: motion, odometry and scans agree with half of it (tests/trials/test_timestep.py)",
+            low=0.001,
+            high=0.02,
+        ),
+    ] = 0.01
+    world: Annotated[
+        str,
+        Parameter("", "Fine 2015, section 2.3.1: an obstacle-free corridor", published=True, named=world_names),
+    ] = "corridor"
+    formation: Annotated[str, Parameter("", "Fine 2015, figure 2.5, drawn without numbers", named=formation_names)] = (
+        "single-group"
+    )
+
+
+class GroupFields(NamedTuple):
+    """What a group of robots has beside the parameters of its law, pipeline and sensors."""
+
+    count: Annotated[int, Parameter("robots", "Fine 2015, section 2.3.1", published=True, low=1, high=1000)] = 6  # type: ignore[assignment]
+    body: Annotated[str, Parameter("", "Fine 2015, section 2.3", published=True, named=body_names)] = "create"
+    formation: Annotated[
+        str,
+        Parameter(
+            "",
+            "a choice: `together` with the other groups in the trial's formation, or one of its own",
+            named=own_formation_names,
+        ),
+    ] = TOGETHER
+    start_x_m: Annotated[float, Parameter("m", "a choice: of the middle of a formation of its own")] = 0.0
+    start_y_m: Annotated[float, Parameter("m", "likewise")] = 0.0
+    start_heading_deg: Annotated[
+        float, Parameter("deg", "likewise: by how much it is turned", low=-360.0, high=360.0)
+    ] = 0.0
+    sensors: Annotated[str, Parameter("", "noise of the laser's data sheet", choices=tuple(hokuyo.SETTINGS))] = (
+        "datasheet"
+    )
+    pipeline: Annotated[str, Parameter("", "Fine 2015, section 2.2", published=True, named=pipeline_names)] = (
+        "member-based"
+    )
+    selection: Annotated[str, Parameter("", "Fine 2015, table 3.1")] = "all"
+    law: Annotated[str, Parameter("", "Fine 2015, algorithm 2", published=True)] = "extended-hamilton"
+    speed_m_s: Annotated[
+        float,
+        Parameter("m/s", "not published: half of the Create's top speed; at most the body's", low=0.001),
+    ] = 0.25
+    rate_hz: Annotated[
+        float, Parameter("Hz", "not published: the laser's scan rate (data sheet)", low=0.1, high=100.0)
+    ] = 10.0
+    phase: Annotated[
+        str,
+        Parameter(
+            "",
+            "Fine 2015, section 9.1.1: asynchronous members",
+            published=True,
+            choices=("random", "together"),
+        ),
+    ] = "random"
+    latency_s: Annotated[
+        float,
+        Parameter("s", "not published: somewhat less than half a scan from sensing to acting", low=0.0, high=10.0),
+    ] = 0.04
+    start_moving: Annotated[
+        bool, Parameter("", "not published: what a member keeps that has seen nobody yet is to drive straight on")
+    ] = True
+    role: Annotated[
+        int, Parameter("", "what laws that know of roles are told: 0 ordinary, 1 leader or strong", low=0, high=1)
+    ] = 0
+    informed: Annotated[
+        int, Parameter("robots", "the first so many are given the goal, and role 1", low=0, high=1000)
+    ] = 0
+    goal_x_m: Annotated[float, Parameter("m", "of the goal, in the world; far away it is a preferred direction")] = 0.0
+    goal_y_m: Annotated[float, Parameter("m", "likewise")] = 0.0
+    own_motion: Annotated[
+        str,
+        Parameter(
+            "",
+            "choice: the Create's odometry loses slow turns (trials/simulations/robots/knowledge.py)",
+            choices=SOURCES,
+        ),
+    ] = "commands"
+    association: Annotated[
+        str,
+        Parameter("", "Fine 2015, section 3.6.3; at work where the law needs it", choices=ASSOCIATIONS),
+    ] = TWO_SCANS
+    obstacles: Annotated[
+        str,
+        Parameter(
+            "", "Fine 2015, figure 3.3: left to the law, avoided, or made virtual members", choices=OBSTACLE_CHOICES
+        ),
+    ] = "as-law"
+    obstacle_selection: Annotated[
+        str, Parameter("", "Fine 2015, figure 3.3, which leaves it open", reads=obstacle_selection.parse)
+    ] = "all"
+
+
+def trial(
+    experiment: str,
+    repeat: int,
+    groups: Sequence[Group],
+    *,
+    world: str = "corridor",
+    formation: str = "single-group",
+    **setup: Value,
+) -> Trial:
+    """A trial of robots; `setup`: of `TrialFields`."""
+    return Trial(experiment, repeat, NAME, world, formation, tuple(groups), setup=setup)
+
+
+def group(
+    law: str = "extended-hamilton",
+    count: int = 6,
+    *,
+    name: str = "herd",
+    pipeline: str = "member-based",
+    selection: str = "all",
+    law_source: str = "",
+    law_parameters: Mapping[str, Value] | None = None,
+    **setup: Value,
+) -> Group:
+    """A group of robots; `setup`: of `GroupFields`, and below `sensors.`, `association.` and `avoidance.`."""
+    return Group(law, count, pipeline, name, selection, law_source, law_parameters or {}, setup=setup)
+
+
+def of_trial(trial: Trial) -> TrialFields:
+    """A trial's fields with everything filled in. Raises `InputError`."""
+    own = {"world": trial.world, "formation": trial.formation}
+    filled_in: TrialFields = filled(TrialFields, {**own, **below(trial.setup, "")})
+    return filled_in
+
+
+def of_group(group: Group) -> GroupFields:
+    """A group's fields with everything filled in. Raises `InputError`."""
+    own = {name: getattr(group, name) for name in ("count", "pipeline", "selection", "law")}
+    filled_in: GroupFields = filled(GroupFields, {**own, **below(group.setup, "")}, prefix=f"{group.name}.")
+    return filled_in
+
+
+def world_of(trial: Trial) -> Any:
+    """The module of a trial's world. Raises `InputError`."""
+    if trial.world.replace("_", "-") not in world_names():
+        raise unknown_name("world", trial.world, world_names())
+    return found.load(WORLDS, trial.world, "world")

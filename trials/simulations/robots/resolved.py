@@ -1,0 +1,154 @@
+"""A group of robots with all that its names and numbers stand for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from types import ModuleType
+from typing import Any, NamedTuple
+
+from flocking import avoidance, found, lawentry, obstacle_selection, selection
+from flocking.parameters import declared, filled
+from robots import body as bodies
+from robots.body import Body
+from sensing import association
+from sensing.laser import hokuyo
+from sensing.pipelines import INFERRED, OF_ITSELF, given_by
+from trials.rows import below
+from trials.simulations.robots.fields import (
+    AS_LAW,
+    ASSOCIATION,
+    AVOIDANCE,
+    PIPELINES,
+    SENSORS,
+    TWO_SCANS,
+    GroupFields,
+    of_group,
+)
+from trials.types import Group
+
+
+class Wanted(NamedTuple):
+    """What a group's law and its selections need, and what its robots must do to have it."""
+
+    needs: frozenset[str]
+    missing: frozenset[str]
+    """What the pipeline does not give."""
+    inferable: frozenset[str]
+    """What association gives of that."""
+    own_pose: bool
+    """Whether a robot must follow its own pose."""
+
+    @property
+    def associate(self) -> bool:
+        """Whether velocities or headings are to be inferred."""
+        return bool(self.inferable)
+
+
+@dataclass(frozen=True)
+class Resolved:
+    """Each of these is looked up when it is first asked for, and raises `InputError` where a name or number of the
+    group cannot be."""
+
+    group: Group
+
+    @cached_property
+    def given(self) -> GroupFields:
+        """Its fields with everything filled in."""
+        return of_group(self.group)
+
+    @cached_property
+    def law(self) -> ModuleType:
+        """The law's file."""
+        return lawentry.module_of(self.group.law, self.group.law_source)
+
+    @cached_property
+    def law_parameters(self) -> Any:
+        """The values with which Creates run the law: given, else for Creates, else the law's own."""
+        given = {**self.for_creates, **self.group.law_parameters}
+        return lawentry.parameters_of(self.group.law, self.law, given, f"{self.group.name}.law.")
+
+    @property
+    def for_creates(self) -> dict[str, Any]:
+        """The parameters that the law's file names for Creates."""
+        return getattr(self.law, "CREATE", {})
+
+    @cached_property
+    def selections(self) -> list[list[selection.Chosen]]:
+        """The steps that make each of the law's sets, with numbers in place."""
+        sets = selection.parse_sets(self.group.selection, lawentry.sets_of(self.law), declared(self.law.Parameters))
+        values = self.law_parameters._asdict()
+        return [selection.resolved(steps, values) for steps in sets]
+
+    @cached_property
+    def pipeline(self) -> ModuleType:
+        """The member detection's file."""
+        return found.load(PIPELINES, self.group.pipeline, "pipeline")
+
+    @cached_property
+    def pipeline_parameters(self) -> Any:
+        """The member detection's parameters."""
+        prefix = f"{self.group.name}.pipeline."
+        return filled(self.pipeline.Parameters, self.group.pipeline_parameters, prefix=prefix)
+
+    @cached_property
+    def body(self) -> Body:
+        """What its robots are."""
+        return bodies.load(self.given.body)
+
+    @cached_property
+    def laser(self) -> hokuyo.Parameters:
+        """The laser's parameters: the named setting with the group's own values in place."""
+        own = below(self.group.setup, SENSORS)
+        changed = self._below(SENSORS, hokuyo.Parameters)
+        return hokuyo.SETTINGS[self.given.sensors]._replace(**{name: getattr(changed, name) for name in own})
+
+    @cached_property
+    def association(self) -> association.Parameters:
+        """The parameters of association."""
+        return self._below(ASSOCIATION, association.Parameters)
+
+    @cached_property
+    def avoidance(self) -> avoidance.Parameters:
+        """The parameters of the avoidance of obstacles that all laws share."""
+        return self._below(AVOIDANCE, avoidance.Parameters)
+
+    @cached_property
+    def wanted(self) -> Wanted:
+        """What its law needs; whether that can be had is for `information.check` to say."""
+        needs = lawentry.needs_of(self.law) | selection.needs(step for steps in self.selections for step in steps)
+        if self.avoids:
+            needs |= {"obstacles"}
+        has = given_by(self.pipeline)
+        missing = needs - has - OF_ITSELF
+        inferable = missing & INFERRED if self.associates and "positions" in has else frozenset()
+        return Wanted(needs, missing, inferable, bool(needs & {"compass", "goal"}) or bool(inferable))
+
+    @property
+    def associates(self) -> bool:
+        """Whether its robots may infer velocities and headings from two detections."""
+        return self.given.association == TWO_SCANS
+
+    @property
+    def avoids(self) -> bool:
+        """Whether obstacles are heeded beside what the law does about them."""
+        return self.given.obstacles != AS_LAW
+
+    def look_all_up(self) -> None:
+        """Raises `InputError` if any name or number of the group cannot be."""
+        names = (
+            "given",
+            "law_parameters",
+            "selections",
+            "pipeline_parameters",
+            "body",
+            "laser",
+            "association",
+            "avoidance",
+        )
+        for name in names:
+            getattr(self, name)
+        obstacle_selection.parse(self.given.obstacle_selection)
+
+    def _below(self, prefix: str, parameters: type) -> Any:
+        return filled(parameters, below(self.group.setup, prefix), prefix=f"{self.group.name}.{prefix}")

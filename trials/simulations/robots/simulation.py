@@ -1,0 +1,97 @@
+"""Robots in MuJoCo, as a simulation that trials can name."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from flocking import found
+from robots import body as bodies
+from trials.simulations.contract import Simulation
+from trials.simulations.robots import checks, fields, keys, worldfile
+from trials.simulations.robots.measures import ABOUT, HEADINGS, KEY_MEASURES
+from trials.types import Trial, TrialResult, with_setup
+from worlds import formations
+
+MOMENT_S = 1.0
+"""Simulated time in which every robot senses and acts a few times."""
+CONSTANTS = (
+    "robots.physics",
+    "sensing.laser.readings",
+    "sensing.laser.intensity",
+    "worlds.formations",
+    "trials.simulations.robots.measures",
+)
+
+
+def run_trial(trial: Trial, scans: str, reraise: bool) -> TrialResult:
+    """See `trials.simulations.run_trial`."""
+    from trials.simulations.robots import loop
+
+    return loop.run_trial(trial, scans, reraise)
+
+
+def record(result: TrialResult, path: Path) -> None:
+    """Writes the recording. Rerun is imported here alone: it takes long."""
+    from trials.simulations.robots.recordings import write
+
+    write(result, path)
+
+
+def limit_s(trial: Trial) -> float:
+    """Wall time (s) after which a trial counts as hung."""
+    robots = sum(group.count for group in trial.groups)
+    return 60.0 + fields.of_trial(trial).duration_s * (1.0 + robots / 10.0)
+
+
+def moment(trial: Trial) -> Trial:
+    """The first second."""
+    seconds = min(MOMENT_S, fields.of_trial(trial).duration_s)
+    return with_setup(trial, {"duration_s": seconds})
+
+
+def prepare() -> None:
+    """Imports the loop, the measures and the recordings."""
+    import trials.simulations.robots.loop
+    import trials.simulations.robots.measures
+    import trials.simulations.robots.recordings  # noqa: F401
+
+
+def at_step(trial: Trial, step: int) -> str:
+    """A physics step by its time."""
+    return f"at {step * fields.of_trial(trial).timestep_s:.2f} s"
+
+
+def constants(trial: Trial) -> list[str]:
+    """Modules of the bodies that take part, each once, and of what all robots share."""
+    of_bodies = [name for group in trial.groups for name in bodies.load(fields.of_group(group).body).constants]
+    return [*dict.fromkeys(of_bodies), *CONSTANTS]
+
+
+def listed(kind: str) -> Mapping[str, object]:
+    """Its bodies, worlds and formations."""
+    if kind == "bodies":
+        return {name: bodies.package(name) for name in bodies.names()}
+    if kind == "worlds":
+        return {name: found.load(fields.WORLDS, name, "world") for name in fields.world_names()}
+    return {f"robots: {name}": function for name, function in formations.FORMATIONS.items()}
+
+
+SIMULATION = Simulation(
+    keys_of=keys.keys_of,
+    check=checks.check,
+    settled=keys.settled,
+    run_trial=run_trial,
+    record=record,
+    measures=ABOUT,
+    key_measures=KEY_MEASURES,
+    limit_s=limit_s,
+    moment=moment,
+    prepare=prepare,
+    at_step=at_step,
+    listed=listed,
+    constants=constants,
+    has_scans=True,
+    world_xml=worldfile.world_xml,
+    headings=HEADINGS,
+)

@@ -1,0 +1,65 @@
+"""Where the robots of a trial stand at first: in the trial's formation, or a group in one of its own."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from scipy.spatial.distance import cdist
+
+from flocking.errors import InputError
+from flocking.types import Floats
+from trials.simulations.robots.fields import TOGETHER, of_group
+from trials.streams import Purpose, stream
+from trials.types import Trial
+from worlds import formations
+from worlds.walls import clearance
+
+
+def starting_poses(trial: Trial) -> Floats:
+    """(N, 3) x, y, heading in the world of all robots, group by group.
+
+    The groups without a formation of their own share the trial's, in their order. A group's own formation is drawn from
+    the group's own stream, turned by `start_heading_deg` and put at `start_x_m`, `start_y_m`. Raises `InputError`.
+    """
+    given = [of_group(group) for group in trial.groups]
+    shared = sum(fields.count for fields in given if fields.formation == TOGETHER)
+    rng = stream(trial.seed, trial.repeat, 0, 0, Purpose.START)
+    together = formations.poses(trial.formation, shared, rng) if shared else np.empty((0, 3))
+    parts, placed = [], 0
+    for number, fields in enumerate(given):
+        if fields.formation == TOGETHER:
+            parts.append(together[placed : placed + fields.count])
+            placed += fields.count
+            continue
+        rng = stream(trial.seed, trial.repeat, number + 1, 0, Purpose.START)
+        own = formations.poses(fields.formation, fields.count, rng)
+        turn = math.radians(fields.start_heading_deg)
+        c, s = math.cos(turn), math.sin(turn)
+        x, y = own[:, 0], own[:, 1]
+        parts.append(
+            np.stack([fields.start_x_m + c * x - s * y, fields.start_y_m + s * x + c * y, own[:, 2] + turn], axis=1)
+        )
+    return np.concatenate(parts)
+
+
+def check_starts(names: list[str], poses_w: Floats, radii: Floats, walls: Floats) -> None:
+    """Refuses robots that stand in one another or in a wall at the start: `InputError`.
+
+    poses_w (N, 3); radii (N,) m; walls (K, 4) segments with free space on their left.
+    """
+    apart = cdist(poses_w[:, :2], poses_w[:, :2]) - radii[:, None] - radii[None, :]
+    np.fill_diagonal(apart, math.inf)
+    first, second = np.unravel_index(apart.argmin(), apart.shape)
+    if apart[first, second] < 0.0:
+        raise InputError(
+            f"{names[first]} and {names[second]} overlap by {-apart[first, second]:.2f} m at the start; "
+            "expected formations that stand apart"
+        )
+    free = clearance(walls, poses_w[:, :2]) - radii
+    nearest = int(free.argmin())
+    if free[nearest] < 0.0:
+        raise InputError(
+            f"{names[nearest]} starts at ({poses_w[nearest, 0]:.2f}, {poses_w[nearest, 1]:.2f}) m, in or behind a "
+            "wall; expected a start within the world"
+        )
