@@ -13,6 +13,7 @@ be taken for one.
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 
 import mujoco
 import numpy as np
@@ -28,6 +29,7 @@ SITE = "laser"
 """The site of a robot's model that is its laser."""
 
 
+@lru_cache(maxsize=16)
 def laser_mount(model: mujoco.MjModel) -> tuple[float, float, float]:
     """Pose of the laser in the body frame of the robot that is alone in `model`: x, y (m) and yaw (rad).
 

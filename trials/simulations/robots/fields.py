@@ -32,7 +32,7 @@ def world_names() -> list[str]:
 
 def body_names() -> list[str]:
     """The bodies that a robot can have."""
-    return bodies.names()
+    return list(bodies.names())
 
 
 def pipeline_names() -> list[str]:
