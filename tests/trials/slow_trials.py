@@ -26,7 +26,7 @@ def run(trial: dict[str, Any], scans: str, record: bool) -> WorkerOutput:
     """The trial; its kernel takes long to import, its robots take long to detect for the first time."""
     assert KERNEL not in sys.modules
     sys.meta_path.insert(0, SlowKernel())  # type: ignore[arg-type]
-    if trial["simulation"] == "physics":
+    if trial["simulation"] == "robots":
         from trials.simulations.robots.robot import Robot
 
         quick = Robot.detect

@@ -116,7 +116,7 @@ def robots(law: tuple[str, str] | None = None) -> Trial:
     return dataclasses.replace(base, setup={"duration_s": 0.5}, groups=(changed,))
 
 
-def test_of_a_physical_batch(tmp_path: Path) -> None:
+def test_of_a_batch_of_robots(tmp_path: Path) -> None:
     hangs, lost = law_file(tmp_path, "hangs", 1, HANGS), law_file(tmp_path, "lost", 1, IS_LOST)
     trials = [robots(hangs), robots(lost), robots()]
     names = [f"{trial.groups[0].name}-2" for trial in trials]
@@ -127,10 +127,10 @@ def test_of_a_physical_batch(tmp_path: Path) -> None:
     assert [row.status for row in rows] == ["failed", "failed", "done"]
 
 
-@pytest.mark.parametrize("kind", ["kinematic", "physical"])
+@pytest.mark.parametrize("kind", ["kinematic", "robots"])
 def test_what_is_compiled_in_a_trial_does_not_count(tmp_path: Path, kind: str) -> None:
     """Neither the kernel's import nor a robot's first look may end a healthy trial, though they exceed the limit."""
     assert slow_trials.SLOW_S > LIMIT_S
-    healthy = {"kinematic": kinematic("test", 1, [group("vicsek", 9)], steps=20), "physical": robots()}
+    healthy = {"kinematic": kinematic("test", 1, [group("vicsek", 9)], steps=20), "robots": robots()}
     (row,) = batch(tmp_path / "run", [healthy[kind]], run=slow_trials.run, warm=False)
     assert (row.status, row.reason) == ("done", "")

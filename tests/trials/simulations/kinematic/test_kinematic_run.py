@@ -57,7 +57,7 @@ def test_a_run_keeps_rows_series_report_and_the_first_recording(run: Path) -> No
 def test_the_report_is_a_list_of_claims(run: Path) -> None:
     told = json.loads(herd("report", "run", "--json", cwd=run.parent).stdout)
     assert len(told) == 9
-    decided = {entry["published"]: entry["n"] for entry in told}
+    decided = {entry["claim"]: entry["n"] for entry in told}
     assert decided["MMD of group-pose from a single-group start, range 3: 0.05"] == 2
     assert sum(n > 0 for n in decided.values()) == 2  # the other cells are not in this run
 
