@@ -112,7 +112,7 @@ class Updates:
     input_owners: NDArray[np.int16]
     """(K,) which robot the input belongs to, −1 = nobody (a false positive)."""
     member_states: NDArray[np.int8]
-    """(U, N) for each member: HIDDEN, DETECTED or MISSED (see trials.truth); the focal member is HIDDEN."""
+    """(U, N) for each member: HIDDEN, DETECTED or MISSED (see `sensing.truth`); the focal member is HIDDEN."""
     beams_lit: Ints
     """(U,) beams that members made (ground truth)."""
     beams_missed: Ints
@@ -211,4 +211,4 @@ class TrialResult:
     reason: str
     """Why it failed, one line; empty if done. A failed trial holds what was measured until then."""
     timing: Mapping[str, float]
-    """Wall time by part, s: physics, and the rest. Not part of the result: it differs from run to run."""
+    """Wall time by part, s: `build_s` and `loop_s`. Not part of the result: it differs from run to run."""

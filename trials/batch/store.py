@@ -2,8 +2,8 @@
 
     run.json            what was asked for and with what it ran: all that is needed to run it again
     results.sqlite      table `trials`: one row a trial as it ends; table `timing` apart
-    series/0001.npz     trials.batch.series
-    recordings/0001.rrd trials.simulations.robots.recordings
+    series/0001.npz     the trial's time series, as trials.batch.series packs them
+    recordings/0001.rrd for the Rerun viewer, as the trial's simulation writes it
     code/               users' files that took part
 
 Only one process writes. A trial's series comes first, then its recording (each to a temporary file that is
