@@ -1,4 +1,4 @@
-"""Real trials in a worker that is slow to get going, as one that compiles is, for tests of the watch."""
+"""Real trials in a worker that starts slowly, as one that compiles does, for tests of the watch."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ KERNEL = "flocking.kinematic.kernel"
 
 
 class SlowKernel:
-    """A finder of modules that takes its time over the kernel and finds nothing."""
+    """A finder of modules that waits when asked for the kernel, and finds nothing."""
 
     @staticmethod
     def find_spec(name: str, path: object = None, target: object = None) -> None:

@@ -240,7 +240,7 @@ def recording() -> list[Figure]:
 def workers() -> list[Figure]:
     """Trials a second by two workers against one, without what starting them costs."""
     from trials.batch import store
-    from trials.batch.batch import run_batch
+    from trials.batch.batch import Work, run_batch
 
     class Clock:
         """Notes when each trial ended."""
@@ -260,7 +260,7 @@ def workers() -> list[Figure]:
         with tempfile.TemporaryDirectory() as folder:
             kept = store.create(Path(folder) / "run", {"experiment": "bench", "trials": []}, {})
             clock = Clock()
-            run_batch(trials, kept, clock, jobs=jobs, scans="none")
+            run_batch(trials, kept, clock, jobs=jobs, work=Work())
         first = 2 * jobs
         return (len(clock.times) - first) / (clock.times[-1] - clock.times[first - 1])
 

@@ -1,4 +1,4 @@
-"""A run's folder: what has a row is whole, nothing is overwritten, damage is told in one line."""
+"""A run's folder: a trial with a row is whole, nothing is overwritten, damage is reported in one line."""
 
 from __future__ import annotations
 
