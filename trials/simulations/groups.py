@@ -1,4 +1,4 @@
-"""What holds of the groups of a trial in every simulation."""
+"""What is refused of a trial's groups and setups in every simulation."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ RESERVED = frozenset({"world", "formation", "links"})
 
 
 def check_names(trial: Trial) -> None:
-    """Refuses groups whose names cannot begin their keys, or are not their own: `InputError`."""
+    """Refuses groups whose names cannot begin a key, and groups of one name: `InputError`."""
     names = [group.name for group in trial.groups]
     for name in names:
         if not _NAME.fullmatch(name) or name in RESERVED:

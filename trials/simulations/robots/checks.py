@@ -22,7 +22,7 @@ def check(trial: Trial) -> None:
     """Refuses a trial whose names and numbers do not fit one another: `InputError`.
 
     Clocks must be whole numbers of physics steps; no robot may be told to drive faster than its body can; all must
-    start apart and within the walls; and none may be able to leave its world behind.
+    start apart and within the walls; and no robot may be able to reach the end of its world.
     """
     given = of_trial(trial)
     if not trial.groups:
@@ -52,7 +52,10 @@ def check(trial: Trial) -> None:
 def _check_reach(
     trial: Trial, given: TrialFields, poses_w: Floats, free_length: float, fastest: float, radius: float
 ) -> None:
-    """`fastest` (m/s) and `radius` (m): of the fastest and of the widest robot."""
+    """Refuses a trial that is so long that a robot could reach the end of its world: `InputError`.
+
+    `fastest` (m/s) and `radius` (m): of the fastest and of the widest robot.
+    """
     reach = float(np.abs(poses_w[:, 0]).max()) + fastest * given.duration_s
     if reach > free_length:
         needed = math.ceil(2 * (reach + radius))
@@ -63,7 +66,7 @@ def _check_reach(
 
 
 def clock(name: str, given: GroupFields, timestep: float) -> tuple[int, int]:
-    """Ticks between the updates of a robot of the group of that name, and from its sensing to its acting.
+    """Ticks from update to update of a robot, and from its sensing to its acting; `name`: its group's.
 
     Raises `InputError` if they are not whole.
     """

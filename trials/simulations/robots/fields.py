@@ -1,4 +1,4 @@
-"""What a trial of robots and its groups can be given, with units and sources; how they are made."""
+"""The parameters of a trial of robots and of its groups, with units and sources; how trials and groups are made."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ PIPELINES, WORLDS = "sensing.pipelines", "worlds"
 TWO_SCANS, NO_ASSOCIATION = ASSOCIATIONS = ("two-scans", "none")
 AS_LAW, AVOID, VIRTUAL = OBSTACLE_CHOICES = ("as-law", "avoid", "virtual-members")
 TOGETHER = "together"
-"""The formation of a group that stands in the trial's."""
+"""The formation of a group that has none of its own and shares the trial's."""
 SENSORS, ASSOCIATION, AVOIDANCE = "sensors.", "association.", "avoidance."
 
 
@@ -46,7 +46,7 @@ def formation_names() -> list[str]:
 
 
 def own_formation_names() -> list[str]:
-    """What a group can say of its own formation."""
+    """The values that a group's formation can have."""
     return [TOGETHER, *formations.FORMATIONS]
 
 

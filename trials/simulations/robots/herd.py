@@ -1,4 +1,4 @@
-"""A trial's names and numbers made into a world full of robots with minds."""
+"""A trial's names and numbers made into a world with robots that are ready to run."""
 
 from __future__ import annotations
 
@@ -19,9 +19,7 @@ from sensing.laser import hokuyo
 from sensing.types import PipelineState, WorldTruth
 from trials.simulations import spread
 from trials.simulations.robots.checks import check, clock
-from trials.simulations.robots.fields import (
-    of_trial,
-)
+from trials.simulations.robots.fields import of_trial
 from trials.simulations.robots.knowledge import Knowledge
 from trials.simulations.robots.obstacle_stage import ObstacleStage
 from trials.simulations.robots.resolved import Resolved
@@ -100,7 +98,7 @@ def assemble(trial: Trial, record: bool) -> Herd:
 
 
 class Mind(NamedTuple):
-    """What the robots of a group share."""
+    """What the robots of a group share: its names resolved, its compiled law, and its obstacle stage."""
 
     its: Resolved
     law: lawentry.Law
@@ -180,5 +178,5 @@ def _pipeline_state(its: Resolved) -> PipelineState:
 
 @cache
 def member_model(body: str) -> mujoco.MjModel:
-    """One robot alone: what a database of members is made from."""
+    """The model of one robot alone, from which the database of members' shapes is made."""
     return bodies.load(body).spec().compile()

@@ -1,4 +1,4 @@
-"""How a recording opens in the viewer: which views, what each shows, and in which colours."""
+"""The layout of a recording in the viewer: its views, what each shows, and the colours."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from trials.simulations.robots.fields import of_group, of_trial
 from trials.types import TrialResult
 
 TRAIL_S = 15.0
-"""Of its way, what a robot draws behind it."""
+"""How long the path behind a robot stays in sight, s."""
 CONTACT_S = 1.5
-"""How long a contact stays in sight."""
+"""How long a contact stays in sight, s."""
 
 IDLE_COLOUR = 0x6B7280FF
-"""Of the rule `none`."""
+"""Colour of the rule `none`."""
 RULE_COLOURS = (0x3B9BFFFF, 0xFFB000FF, 0xDC267FFF, 0x44C26DFF, 0xA678F0FF, 0x2ED1C9FF)
 
 
@@ -89,7 +89,7 @@ def about(result: TrialResult) -> str:
 
 
 def _reach(result: TrialResult) -> tuple[float, float]:
-    """Half width and height (m) of the view that follows: the usual width of the herd, within bounds."""
+    """Half width and half height (m) of the view that follows the herd: those of the herd, within bounds."""
     positions = result.poses_w[np.isfinite(result.poses_w).all(axis=(1, 2)), :, :2]
     if positions.size == 0:
         return 3.0, 1.6
@@ -99,7 +99,7 @@ def _reach(result: TrialResult) -> tuple[float, float]:
 
 
 def _ground(result: TrialResult) -> tuple[Floats, Floats]:
-    """Corners (2,), (2,) of where the robots went, m, with some room, and no wider than is useful."""
+    """Lower and upper corner (2,), (2,) of the area where the robots went, with a margin, m."""
     positions = result.poses_w[..., :2].reshape(-1, 2)
     positions = positions[np.isfinite(positions).all(axis=1)]
     if len(positions) == 0:
