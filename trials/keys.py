@@ -24,7 +24,7 @@ _OF_GROUP = {"law.": "law_parameters", "pipeline.": "pipeline_parameters", "spre
 
 
 def put(trial: Trial, key: str, value: Any) -> Trial:
-    """`trial` with one key set to a value, which is checked. Raises `InputError`, with near names for an unknown key."""
+    """`trial` with one key set to a value, which is checked. Raises `InputError`, with near keys for an unknown key."""
     first, _, rest = key.partition(".")
     number = next((g for g, group in enumerate(trial.groups) if rest and group.name == first), None)
     group = trial.groups[number] if number is not None else None

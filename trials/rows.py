@@ -15,8 +15,8 @@ class Section(NamedTuple):
     """Empty, or as in `world.`; in a section of a group it lacks the group's name."""
     parameters: Mapping[str, Declared]
     values: Callable[[], Mapping[str, Any]]
-    """By name, the values that the trial will use of the parameters that are shown. The others are not shown, but can be
-    set as well."""
+    """By name, the values that the trial will use of the parameters that are shown. Those that are not shown can be set
+    as well."""
     words: Mapping[str, Parameter] = {}
     """By name, the source to show for a value in place of the declared one."""
 

@@ -1,8 +1,8 @@
 """`herd bench`: how fast everything is, as medians over repeated runs.
 
-Where one process works alone its processor time is measured, which others on the machine hardly change; where several
-work it is wall time, and the figure says so. Every figure stands beside its target. A saved result can be compared
-with: same machine, before and after a change.
+Where one process works alone its processor time is measured, which other work on the machine hardly changes; where
+several work it is wall time, and the figure says so. Every figure stands beside its target. Figures can be saved, to be
+compared with those of the same machine after a change.
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ class Figure:
 
     @property
     def median(self) -> float:
-        """Of the runs."""
+        """Median of the runs."""
         return float(np.median(self.runs))
 
     @property
@@ -137,7 +137,7 @@ def herd_speed() -> list[Figure]:
 
 
 def beyond_physics() -> list[Figure]:
-    """What the project adds to physics: the whole trial against bare mj_step replaying its own controls."""
+    """What the project adds to physics: the whole trial against bare mj_step with the same controls."""
     trial = herd_of(6)
     herd, controls = _with_controls(trial)
     updates = 6 * 10 * SECONDS
@@ -161,7 +161,7 @@ def parts() -> list[Figure]:
     detection = robot.detect(senses)
     sets = robot.select(detection.members)
     motion = robot.decide(detection, sets)
-    clock = itertools.count()  # a scan's stamp must move on, or the last scan is sensed again
+    clock = itertools.count()  # without a later time the laser makes no new scan, and the last one is sensed again
     calls: dict[str, Callable[[], object]] = {
         "1 sense (scan, noise, truth)": lambda: robot.sense(data, data.time + next(clock), None, record=False),
         "2 detect (member-based)": lambda: robot.detect(senses),
@@ -173,7 +173,7 @@ def parts() -> list[Figure]:
 
 
 def laser() -> list[Figure]:
-    """The rays of one scan, 682 beams among 25 robots and 40 walls; and how far they are from MuJoCo's own."""
+    """The rays of one scan, 682 beams among 25 robots and 40 walls, and their difference from MuJoCo's own rays."""
     from sensing.laser.hokuyo import BEAMS, SETTINGS, Lasers
     from sensing.laser.reference import Rays, compare
     from worlds.assemble import prefix, specification
@@ -219,7 +219,7 @@ def growth() -> list[Figure]:
 
 
 def recording() -> list[Figure]:
-    """What a recording at its defaults adds to a trial, and how large the file is."""
+    """What a recording with default settings adds to a trial's time, and the size of its file."""
     from trials.simulations.robots import recordings
 
     trial = herd_of(6, seconds=RECORDED_SECONDS)
@@ -238,7 +238,7 @@ def recording() -> list[Figure]:
 
 
 def workers() -> list[Figure]:
-    """Trials a second by two workers against one, without what starting them costs."""
+    """Trials a second by two workers against one, without the time that starting them takes."""
     from trials.batch import store
     from trials.batch.batch import Work, run_batch
 
@@ -249,10 +249,10 @@ def workers() -> list[Figure]:
             self.times: list[float] = []
 
         def say(self, text: str) -> None:
-            """Nothing to say."""
+            """Shows nothing."""
 
         def ended(self, row: store.Row) -> None:
-            """One more."""
+            """Notes the time."""
             self.times.append(perf_counter())
 
     def rate(jobs: int) -> float:
@@ -283,9 +283,10 @@ def start_up() -> list[Figure]:
 
 
 def kinematic_herd() -> list[Figure]:
-    """Boids in the open, short range, on one core; against the law without a compiler, member by member.
+    """Boids in unbounded space with a short range, on one core; and against the same law without a compiler.
 
-    That is in arrays of all other members, and by the law's own function as it is written.
+    Without a compiler, members are computed one by one: by the law's own function as it is written, and by a version
+    rewritten for NumPy's arrays.
     """
     found = bench_kinematic.measured(_repeated)
     targets = {"10,000 boids": 100.0}
@@ -302,7 +303,7 @@ def kinematic_herd() -> list[Figure]:
 
 
 def whole_experiment() -> list[Figure]:
-    """`herd run lch-table-4-1`: 160 simulations with their report, all cores, start-up included."""
+    """`herd run lch-table-4-1`: 160 simulations with their report on all cores, the start of processes included."""
     return [
         Figure(
             "lch-table-4-1, wall time on all cores",
@@ -329,7 +330,7 @@ MEASURES: Sequence[Callable[[], list[Figure]]] = (
 
 
 def herd_of(count: int, seconds: float = SECONDS) -> Trial:
-    """A trial of the case study with that many robots, in a corridor as long as they need."""
+    """A trial of the detection case study with that many robots, in a corridor that is long enough for them."""
     trial = plan("detection-case-study", repeats=1).trials[1]
     length = 2.0 * math.ceil(count + 0.5 * seconds + 10.0)
     return dataclasses.replace(
@@ -386,7 +387,7 @@ def _seconds(call: Callable[[], object]) -> float:
 
 
 def _wall(call: Callable[[], object]) -> float:
-    """Wall time, for what other processes do, s."""
+    """Wall time, for work that other processes do, s."""
     started = perf_counter()
     call()
     return perf_counter() - started
