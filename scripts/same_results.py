@@ -1,14 +1,14 @@
-"""Holds a restructured version of the project against the one before: the same commands, the same results, bit for bit.
+"""Compares two versions of the project: whether the same commands give the same results, bit for bit.
 
-    python -m scripts.same_results keep BEFORE      in the old version: runs every experiment, small, with two seeds
+    python -m scripts.same_results keep BEFORE      in the old version: runs every experiment, one repeat, two seeds
     python -m scripts.same_results keep AFTER       in the new version
     python -m scripts.same_results compare BEFORE AFTER
-    python -m scripts.same_results sample FILE      the first moments of a few trials, which a test holds the code to
+    python -m scripts.same_results sample FILE      writes the first moments of a few trials, with which a test compares
 
-`keep` runs the `herd` command that is installed beside the Python which runs it, so that one copy of this file serves
-any version. `compare` reads what those commands wrote: what `herd show` says (but for the words of sources), each row
-of the results, each array of the series, and each column of one recording, with its scans. Equal bits are to be
-expected on one type of processor only.
+`keep` runs the `herd` command that is installed with the Python that runs this file, so that one copy of the file
+serves any version. `compare` reads what those commands wrote: the lines of `herd show` (without the texts of sources),
+each row of the results, each array of the series, and each column of one recording, with its scans. Equal bits can be
+expected only on processors of the same type.
 """
 
 from __future__ import annotations
@@ -41,14 +41,14 @@ SAMPLES: tuple[tuple[str, dict[str, Any], int], ...] = (
 """Experiment, settings and trial of each sample."""
 SEEDS = (1, 2)
 ADDED = "added:"
-"""Before what only the new version has, which is told, and is no difference."""
+"""Begins a line on what only the new version has: it is printed, but is no difference."""
 NOT_COMPARED = frozenset({"trial", "format"})
-"""Of a series' head: the trial as its version writes it down, and the version of the format."""
+"""Parts of a series' head that depend on the version: how it writes the trial, and its format."""
 _COLUMN_GAP = re.compile(r"\s{2,}")
 
 
 def herd(*words: str) -> str:
-    """What the command prints; its lines on the way are left on stderr."""
+    """Runs the command and returns what it prints on stdout."""
     command = [str(Path(sys.executable).with_name("herd")), *words]
     ended = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=False)
     if ended.returncode not in (0, 1):
@@ -89,7 +89,7 @@ def compare(before: Path, after: Path) -> list[str]:
 
 
 def sample() -> dict[str, Any]:
-    """Measures of the first moments of a few trials, and the hashes of all that was measured; and where it was made."""
+    """Measures of the first moments of a few trials, the hashes of their series, and what they were made with."""
     from trials.design import plan
     from trials.simulations import run_trial
 
@@ -125,9 +125,9 @@ def _unequal(where: str, before: dict[Any, Any], after: dict[Any, Any]) -> list[
 
 
 def _shown(path: Path) -> dict[Any, Any]:
-    """What `herd show` says by key: values, units, published or chosen; constants by their last name; all else as is.
+    """The lines of `herd show`: of a key its value, unit, and whether published; of a constant its last name and value.
 
-    The words of sources, the last column, are left out.
+    The texts of sources, the last column, are left out.
     """
     found: dict[Any, Any] = {}
     kind = ""
@@ -152,7 +152,7 @@ def _rows(run: Path) -> Iterator[tuple[int, tuple[Any, ...]]]:
 
 
 def _series(run: Path) -> dict[Any, Any]:
-    """Every array of every trial, as type, shape and bytes; and what else its file holds."""
+    """Every array of every trial, as type, shape and bytes, and the other entries of its file."""
     found: dict[Any, Any] = {}
     for path in sorted((run / "series").glob("*.npz")):
         with zipfile.ZipFile(path) as archive:
@@ -168,7 +168,7 @@ def _series(run: Path) -> dict[Any, Any]:
 
 
 def _recordings(run: Path) -> dict[Any, Any]:
-    """Every column of what was recorded, by entity; the trial in words is told by its version."""
+    """Every column of the recordings, by entity, without the trial in words, which depends on the version."""
     from rerun.chunk import RrdReader
 
     found: dict[Any, list[Any]] = {}
@@ -184,7 +184,7 @@ def _recordings(run: Path) -> dict[Any, Any]:
 
 
 def main() -> int:
-    """The command: 0 the same, 1 differences; it prints them, and what was added."""
+    """The command: exit code 0 if the results are the same, 1 if not; prints the differences and what was added."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     ways = parser.add_subparsers(dest="way", required=True)
     keeping = ways.add_parser("keep", help="run every experiment, small")

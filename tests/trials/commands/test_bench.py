@@ -1,4 +1,4 @@
-"""The bench runs and says what it measured; how fast is not a test's business."""
+"""The bench runs and says what it measured. No test depends on how fast anything is."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A simulation is a folder: every one keeps the contract, and one from outside the package runs as they do."""
+"""A simulation is a folder: each fulfils the contract, and one from outside the package runs as the others do."""
 
 from __future__ import annotations
 
@@ -110,7 +110,7 @@ def base(repeat):
 
 @pytest.fixture
 def toys(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    """A simulation and a study in folders of a stranger's."""
+    """A simulation and a study in folders outside the package, added for the time of a test."""
     for folder, package in (("simulations", "toy"), ("studies", "toys")):
         (tmp_path / folder / package).mkdir(parents=True)
         (tmp_path / folder / package / "__init__.py").touch()

@@ -54,7 +54,7 @@ def test_values_keep_within_the_parameters_bounds_and_whole_numbers_stay_whole()
 
 
 def test_the_members_run_by_their_own_values() -> None:
-    """A herd whose members differ goes another way; one whose spread is 0 goes the same."""
+    """A herd whose members differ moves differently; one whose spread is 0 moves the same."""
     trial = kinematic(noise_rad=0.0)
     alike = simulations.run_trial(trial).poses_w
     same = simulations.run_trial(keys.put(trial, "herd.spread.range_m", 0.0)).poses_w

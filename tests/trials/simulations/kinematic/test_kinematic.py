@@ -21,7 +21,7 @@ from trials.simulations.tracks import period_of, strips
 from trials.types import Trial
 
 EXACT = 1e-9
-"""Relative: sums of a few hundred steps in double precision."""
+"""Relative error of sums over a few hundred steps in double precision."""
 FAILING = '''
 import math
 from typing import NamedTuple
@@ -35,7 +35,7 @@ class Parameters(NamedTuple):
 
 
 def law(own, members, sets, obstacles, parameters, memory, u):
-    """Straight on; the third member loses its mind."""
+    """Straight on; the third member returns nan."""
     return Motion(Kind.VELOCITY, math.nan if own.id == 2 else 0.1, 0.0, 0)
 '''
 

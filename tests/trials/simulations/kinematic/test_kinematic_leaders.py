@@ -1,4 +1,4 @@
-"""Leaders in kinematic herds: the first members of a group, told their role, and nothing else of the herd changed."""
+"""Leaders in kinematic herds: the first members of a group have another role, and nothing else of the herd changes."""
 
 from __future__ import annotations
 

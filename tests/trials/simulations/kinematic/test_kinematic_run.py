@@ -1,4 +1,4 @@
-"""A kinematic experiment through the real command: run, report, resume, play's file, and one line where it cannot."""
+"""A kinematic experiment by the `herd` command: run, report, resume, its recording, and one line for an error."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from trials.commands import cli
 from trials.design import plan
 
 WORDS = ["lch-table-4-1", "--repeats", "2", "--only", "1,9,17,25", "--set", "steps=20"]
-"""The first variation from both starts, twice."""
+"""The trials of the first variation from both starts, two repeats."""
 
 
 def herd(*words: str, cwd: Path) -> subprocess.CompletedProcess[str]:

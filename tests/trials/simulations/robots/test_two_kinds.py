@@ -1,4 +1,4 @@
-"""Robots of two kinds in one world: each moves, meets others, is seen and is written down as its own body tells."""
+"""Robots of two kinds in one world: each moves, touches others, is seen and is recorded by the size of its own body."""
 
 from __future__ import annotations
 
@@ -81,7 +81,7 @@ class TestWorld:
         np.testing.assert_allclose(speeds, [CREATE.top_speed, SMALL.top_speed], rtol=5e-3)
 
     def test_they_touch_where_their_outlines_meet(self) -> None:
-        """The point lies between the axes as the radii are; only the bumpers of the one that drives are pressed."""
+        """The contact divides the distance as the radii do; only the bumpers of the robot that drives are pressed."""
         built = world(("create-small", 0.0, 0.0, 0.0), ("create", 0.8, 0.0, 0.0))
         built.fleet.command(0, 0.2, 0.0)
         built.advance(to=400)
