@@ -74,6 +74,30 @@ class Place(NamedTuple):
     """(N, N) or (0, 0): whose Voronoi cells touch."""
 
 
+class HerdArrays(NamedTuple):
+    """A herd at work, as the loops of the kernel share it."""
+
+    bodies: Bodies
+    limits: Limits
+    minds: Minds
+    place: Place
+    dt: float
+    """Time step, s."""
+    motions: Floats
+    """(N, 4) kind, x, y and rule of what each member decided last; body frame."""
+
+
+class Tracks(NamedTuple):
+    """Where a piece of work keeps which of its steps."""
+
+    rows: Floats
+    """(T, N, 5) x, y, heading, vx, vy, world frame: one row a kept step."""
+    every: int
+    """One step in so many is kept."""
+    before: int
+    """Steps done, when the piece begins, since the one kept before the first row."""
+
+
 class Stages(NamedTuple):
     """Stages 2 to 4 of the members of one band."""
 
@@ -133,19 +157,21 @@ def example_bodies() -> Bodies:
     )
 
 
-def example_limits() -> Limits:
-    return Limits(np.empty(0), np.empty(0), np.empty(0), np.empty(0))
+def example_herd() -> HerdArrays:
+    """Likewise."""
+    limits = Limits(np.empty(0), np.empty(0), np.empty(0), np.empty(0))
+    minds = Minds(np.empty((0, 0)), np.empty((0, 2)))
+    place = Place(0.0, np.empty((0, 4)), 0.0, np.empty((0, 0), np.bool_), np.empty((0, 0), np.bool_))
+    return HerdArrays(example_bodies(), limits, minds, place, 0.0, np.empty((0, 4)))
 
 
-def example_minds() -> Minds:
-    return Minds(np.empty((0, 0)), np.empty((0, 2)))
-
-
-def example_place() -> Place:
-    return Place(0.0, np.empty((0, 4)), 0.0, np.empty((0, 0), np.bool_), np.empty((0, 0), np.bool_))
+def example_tracks() -> Tracks:
+    """Likewise."""
+    return Tracks(np.empty((0, 0, 5)), 1, 0)
 
 
 def example_stages() -> Stages:
+    """Likewise."""
     return Stages(
         np.zeros((1, 1), np.int64),
         np.zeros((1, 1, ARGUMENTS)),

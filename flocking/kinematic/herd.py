@@ -14,7 +14,7 @@ from types import ModuleType
 import numpy as np
 
 from flocking.errors import InputError
-from flocking.kinematic.arrays import Bodies, Limits, Minds
+from flocking.kinematic.arrays import Bodies, HerdArrays, Limits, Minds, Tracks
 from flocking.kinematic.bands import Band, Space, check_linked
 from flocking.perception import Step
 from flocking.tessellation import tessellated
@@ -152,8 +152,8 @@ class KinematicHerd:
         turn: Ints | None = None,
     ) -> None:
         count = sum(band.checked().count for band in bands)
-        self.bands, self.dt = bands, float(dt)
-        self.place = space.place(graph, count)
+        self.bands = bands
+        place = space.place(graph, count)
         poses_w = _starting(poses_w, count, space)
         # one stream each, so that the number of steps done at a time does not change what is drawn
         self.law_rng, self.order_rng = rng.spawn(2)
@@ -179,8 +179,8 @@ class KinematicHerd:
                 goals[who] = band.goals_w
         if len(bands) == 1 and isinstance(bands[0].parameters, Mapping):
             parameters = parameters[:1].copy()
-        self.minds = Minds(parameters, goals)
-        self.limits = Limits(
+        minds = Minds(parameters, goals)
+        limits = Limits(
             *(
                 np.repeat([float(getattr(band, name)) for band in bands], [band.count for band in bands])
                 for name in ("cruise_m_s", "max_speed_m_s", "max_turn_rate_rad_s", "radius_m")
@@ -194,7 +194,7 @@ class KinematicHerd:
             np.zeros((count, 2), np.bool_),
             np.zeros((count, max(stages.memory for stages in self.stages))),
         )
-        self.motions = np.zeros((count, 4))
+        self.arrays = HerdArrays(self.bodies, limits, minds, place, float(dt), np.zeros((count, 4)))
         self.draws = [band.law.draws for band in bands]
         self.most_steps = max(1, MOST_DRAWS // (count * (1 + max(self.draws))))
         self.pace = max(1, min(FIRST_DECISIONS, FIRST_LOOKS // count))
@@ -230,7 +230,7 @@ class KinematicHerd:
 
         Python is returned to after `PIECE_S`, be it within a step, and `said` is told the steps done after each piece.
         """
-        kept, end, count = done - done % every, done + steps, len(self.positions)
+        first, end, count = done - done % every, done + steps, len(self.positions)
         while done < end:
             self._tessellate()
             if len(self.bands) > 1 or self.voronoi or self.pace < count:
@@ -240,16 +240,17 @@ class KinematicHerd:
                     self._in_turn(done)
                 done += 1
                 if done % every == 0:
-                    _kernel().record(self.bodies, tracks[(done - kept) // every - 1])
+                    _kernel().record(self.bodies, tracks[(done - first) // every - 1])
             else:
                 piece = min(end - done, self.pace // count, self.most_steps)
+                kept = Tracks(tracks, every, done - first)
                 if synchronous:
                     draws = self.law_rng.random((piece, count, self.draws[0]))
-                    self._run(_kernel().synchronous, 0, self.members[0], draws, tracks, every, done - kept, done, (0,))
+                    self._run(_kernel().synchronous, 0, self.members[0], draws, kept, done, (0,))
                 else:
                     order = np.argsort(self.order_rng.random((piece, count)), axis=1)
                     draws = self.law_rng.random((piece, count, self.draws[0]))
-                    self._run(_kernel().asynchronous, 0, order, draws, tracks, every, done - kept, done)
+                    self._run(_kernel().asynchronous, 0, order, draws, kept, done)
                 done += piece
             if said is not None:
                 said(done)
@@ -261,9 +262,9 @@ class KinematicHerd:
             while first < len(who):
                 part = who[first : first + self.pace]
                 draws = self.law_rng.random((1, len(part), self.draws[band]))
-                self._run(_kernel().synchronous, band, part, draws, self._nothing, 2, 0, step, (1,))
+                self._run(_kernel().synchronous, band, part, draws, self._nothing, step, (1,))
                 first += len(part)
-        _kernel().move_all(self.bodies, self.limits, self.place, self.dt, self.motions)
+        _kernel().move_all(self.arrays)
 
     def _in_turn(self, step: int) -> None:
         """One asynchronous step in an order drawn anew, by runs of one band each or in parts."""
@@ -274,18 +275,19 @@ class KinematicHerd:
             while first < len(run):
                 part = np.ascontiguousarray(run[None, first : first + max(1, self.pace // block) * block])
                 draws = self.law_rng.random((1, part.shape[1], self.draws[band]))
-                self._run(_kernel().asynchronous, band, part, draws, self._nothing, 2, 0, step)
+                self._run(_kernel().asynchronous, band, part, draws, self._nothing, step)
                 first += part.shape[1]
 
     @property
-    def _nothing(self) -> Floats:
-        """Room for no record."""
-        return np.empty((0, len(self.positions), 5))
+    def _nothing(self) -> Tracks:
+        """Keeps no step: of the one that is done at a time it would keep the second."""
+        return Tracks(np.empty((0, len(self.positions), 5)), 2, 0)
 
     def _tessellate(self) -> None:
         if self.voronoi:
-            touching = tessellated(self.positions, self.place.period)
-            self.place = self.place._replace(tessellated=touching)
+            place = self.arrays.place
+            place = place._replace(tessellated=tessellated(self.positions, place.period))
+            self.arrays = self.arrays._replace(place=place)
 
     def _run(
         self,
@@ -293,23 +295,20 @@ class KinematicHerd:
         band: int,
         who: Ints,
         draws: Floats,
-        tracks: Floats,
-        every: int,
-        before: int,
+        tracks: Tracks,
         done: int,
         more: tuple[int, ...] = (),
     ) -> None:
         """One piece of work of the kernel. Raises `LawFailedError` if the law fails in it."""
         law, started = self.bands[band].law, perf_counter()
-        shared = (law.entry, self.stages[band], self.bodies, self.limits, self.minds, self.place)
         raised, self.turn[0] = "", done
         try:
-            failed = work(*shared, who, draws, self.dt, self.motions, tracks, every, before, self.turn[1:], *more)
+            failed = work(law.entry, self.stages[band], self.arrays, who, draws, tracks, self.turn[1:], *more)
         except Exception as error:  # whatever a law of the user's may raise
             failed, raised = 1, " ".join(f"{type(error).__name__}: {error}".split())
         if failed:
             step, member = self.turn[1:].tolist()
-            kind, x, y, _ = self.motions[member]
+            kind, x, y, _ = self.arrays.motions[member]
             what = f"raised {raised}" if raised else f"returned kind {kind:g}, x {x:g}, y {y:g}"
             expected = "" if raised else "; expected a kind of 0 to 5 and finite numbers"
             raise LawFailedError(f"law {law.name!r} {what} for member {member + 1} at step {done + step + 1}{expected}")

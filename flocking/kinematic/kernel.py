@@ -14,8 +14,8 @@ import numpy as np
 from numba.core import sigutils, types
 
 from flocking.compilation import borrowing
-from flocking.kinematic import arrays, detection
-from flocking.kinematic.arrays import Bodies, Limits, Minds, Place, Stages
+from flocking.kinematic import arrays
+from flocking.kinematic.arrays import Bodies, HerdArrays, Stages, Tracks
 from flocking.kinematic.cells import binned, cells_of
 from flocking.kinematic.mind import decide
 from flocking.kinematic.motion import move
@@ -33,66 +33,62 @@ sum is its rounding: the same parts, the same numbers."""
 
 
 @borrowing
-def record(bodies: Bodies, track: Floats) -> None:
-    """Writes x, y, heading and velocity of all members into `track` (N, 5)."""
+def record(bodies: Bodies, row: Floats) -> None:
+    """Writes x, y, heading and velocity of all members into `row` (N, 5)."""
     for i in range(len(bodies.positions)):
-        track[i, 0], track[i, 1] = bodies.positions[i, 0], bodies.positions[i, 1]
-        track[i, 2] = bodies.headings[i]
-        track[i, 3], track[i, 4] = bodies.velocities[i, 0], bodies.velocities[i, 1]
+        row[i, 0], row[i, 1] = bodies.positions[i, 0], bodies.positions[i, 1]
+        row[i, 2] = bodies.headings[i]
+        row[i, 3], row[i, 4] = bodies.velocities[i, 0], bodies.velocities[i, 1]
+
+
+@borrowing
+def keep_step(bodies: Bodies, tracks: Tracks, step: int) -> None:
+    """Records the step of that number (from 0) of a piece of work, if it is one of those that are kept."""
+    done = tracks.before + step + 1
+    if done % tracks.every == 0:
+        record(bodies, tracks.rows[done // tracks.every - 1])
 
 
 _LAW = types.FunctionType(sigutils._parse_signature_string(ENTRY_SIGNATURE))
-_SHARED = tuple(
-    numba.typeof(value)
-    for value in (
-        arrays.example_stages(),
-        arrays.example_bodies(),
-        arrays.example_limits(),
-        arrays.example_minds(),
-        arrays.example_place(),
-    )
+_STAGES, _HERD, _TRACKS = (
+    numba.typeof(example()) for example in (arrays.example_stages, arrays.example_herd, arrays.example_tracks)
 )
 _F, _I = types.float64, types.int64
 
 
-@numba.njit(
-    _I(_LAW, *_SHARED, _I[::1], _F[:, :, ::1], _F, _F[:, ::1], _F[:, :, ::1], _I, _I, _I[::1], _I),
-    cache=True,
-    error_model="numpy",
-)
+@numba.njit(types.void(_HERD), cache=True, error_model="numpy")
+def move_all(herd: HerdArrays) -> None:
+    """Moves everybody as decided: the second half of a synchronous step."""
+    others = herd.bodies.positions.copy()
+    for i in range(len(others)):
+        move(i, herd, others)
+
+
+@numba.njit(_I(_LAW, _STAGES, _HERD, _I[::1], _F[:, :, ::1], _TRACKS, _I[::1], _I), cache=True, error_model="numpy")
 def synchronous(
     law: Callable[..., None],
     stages: Stages,
-    bodies: Bodies,
-    limits: Limits,
-    minds: Minds,
-    place: Place,
+    herd: HerdArrays,
     who: Ints,
     draws: Floats,
-    dt: float,
-    motions: Floats,
-    tracks: Floats,
-    every: int,
-    before: int,
+    tracks: Tracks,
     turn: Ints,
     decides_only: int,
 ) -> int:
     """Steps in which all members decide on the same state and then move; returns 0, or 1 if a law failed.
 
-    `who` (n,) are the members that run the law; `draws` (steps, n, DRAWS); `motions` (N, 4) is written to. With
-    `decides_only` nobody moves (groups with several laws, or a step in parts). Every `every`-th step is recorded in
-    `tracks` (T, N, 5), `before` steps having been done since the last record before it. `turn` (2,) is kept at the step
-    and the member at work, so that one knows whose law failed, or raised an error.
+    `who` (n,) are the members that run the law; `draws` (steps, n, DRAWS). With `decides_only` nobody moves and nothing
+    is recorded (herds with several laws, or a step in parts). `turn` (2,) holds the step and the member at work, both
+    from 0: they tell whose law failed or raised an error.
     """
+    bodies, motions = herd.bodies, herd.motions
     count = len(bodies.positions)
-    beams = 0 if stages.detection == detection.Detection.PERFECT else detection.BEAMS
-    room = scratch(count, stages.steps.shape[0], len(place.walls), beams)
-    others = np.empty((count, 2))
+    room = scratch(count, stages, len(herd.place.walls))
     everybody, rows = np.arange(count), np.arange(count)
     unsorted = Crowd(bodies.positions, bodies.headings, bodies.velocities, everybody)
     sorted_ = Crowd(np.empty((count, 2)), np.empty(count), np.empty((count, 2)), everybody.copy())
     for step in range(len(draws)):
-        cells = binned(bodies.positions, stages.reach, place.period)
+        cells = binned(bodies.positions, stages.reach, herd.place.period)
         order = cells.members
         crowd = unsorted
         if cells.columns > 0:
@@ -107,16 +103,13 @@ def synchronous(
             i = who[at]
             row = k if by_cells else rows[i]
             turn[0], turn[1] = step, i
-            if not decide(law, i, row, stages, bodies, minds, crowd, cells, place, draws[step, at], dt, room):
-                motions[i] = room.motion
-                return 1
+            sound = decide(law, i, row, stages, herd, crowd, cells, draws[step, at], room)
             motions[i] = room.motion
+            if not sound:
+                return 1
         if decides_only == 0:
-            others[:] = bodies.positions
-            for i in range(count):
-                move(i, int(motions[i, 0]), motions[i, 1], motions[i, 2], bodies, others, limits, place, dt)
-            if (before + step + 1) % every == 0:
-                record(bodies, tracks[(before + step + 1) // every - 1])
+            move_all(herd)
+            keep_step(bodies, tracks, step)
     return 0
 
 
@@ -126,34 +119,23 @@ def part_of(count: int, reach: float) -> int:
     return (count + PARTS - 1) // PARTS if reach < math.inf else 1
 
 
-@numba.njit(
-    _I(_LAW, *_SHARED, _I[:, ::1], _F[:, :, ::1], _F, _F[:, ::1], _F[:, :, ::1], _I, _I, _I[::1]),
-    cache=True,
-    error_model="numpy",
-)
+@numba.njit(_I(_LAW, _STAGES, _HERD, _I[:, ::1], _F[:, :, ::1], _TRACKS, _I[::1]), cache=True, error_model="numpy")
 def asynchronous(
     law: Callable[..., None],
     stages: Stages,
-    bodies: Bodies,
-    limits: Limits,
-    minds: Minds,
-    place: Place,
+    herd: HerdArrays,
     order: Ints,
     draws: Floats,
-    dt: float,
-    motions: Floats,
-    tracks: Floats,
-    every: int,
-    before: int,
+    tracks: Tracks,
     turn: Ints,
 ) -> int:
     """Steps in which the members decide and move one after the other; returns 0, or 1 if a law failed.
 
     `order` (steps, n): who comes when; `draws` (steps, n, DRAWS) in that order. The rest as in `synchronous`.
     """
+    bodies, motions, place = herd.bodies, herd.motions, herd.place
     count = len(bodies.positions)
-    beams = 0 if stages.detection == detection.Detection.PERFECT else detection.BEAMS
-    room = scratch(count, stages.steps.shape[0], len(place.walls), beams)
+    room = scratch(count, stages, len(place.walls))
     pad = PAD * stages.reach
     block = part_of(count, stages.reach)
     crowd = Crowd(bodies.positions, bodies.headings, bodies.velocities, np.arange(count))
@@ -163,11 +145,11 @@ def asynchronous(
         for k in range(order.shape[1]):
             i = order[step, k]
             turn[0], turn[1] = step, i
-            if not decide(law, i, i, stages, bodies, minds, crowd, cells, place, draws[step, k], dt, room):
-                motions[i] = room.motion
-                return 1
+            sound = decide(law, i, i, stages, herd, crowd, cells, draws[step, k], room)
             motions[i] = room.motion
-            move(i, int(motions[i, 0]), motions[i, 1], motions[i, 2], bodies, bodies.positions, limits, place, dt)
+            if not sound:
+                return 1
+            move(i, herd, bodies.positions)
             if stages.reach < np.inf and (k + 1) % block == 0:
                 # whether there are cells now or not: a step done in parts begins anew here
                 cells = binned(bodies.positions, stages.reach + 2.0 * pad, place.period)
@@ -178,14 +160,5 @@ def asynchronous(
                 if dx * dx + dy * dy > pad * pad:
                     cells = binned(bodies.positions, stages.reach + 2.0 * pad, place.period)
                     at[:] = bodies.positions
-        if (before + step + 1) % every == 0:
-            record(bodies, tracks[(before + step + 1) // every - 1])
+        keep_step(bodies, tracks, step)
     return 0
-
-
-@numba.njit(types.void(*_SHARED[1:3], _SHARED[4], _F, _F[:, ::1]), cache=True, error_model="numpy")
-def move_all(bodies: Bodies, limits: Limits, place: Place, dt: float, motions: Floats) -> None:
-    """Moves everybody as decided: the second half of a synchronous step of groups with several laws."""
-    others = bodies.positions.copy()
-    for i in range(len(bodies.positions)):
-        move(i, int(motions[i, 0]), motions[i, 1], motions[i, 2], bodies, others, limits, place, dt)

@@ -10,9 +10,9 @@ from collections.abc import Callable
 
 from flocking.avoidance import avoid, virtual_members
 from flocking.compilation import borrowing, inlined
-from flocking.kinematic.arrays import COSINE, Bodies, Minds, Place, Stages
+from flocking.kinematic.arrays import COSINE, HerdArrays, Minds, Place, Stages
 from flocking.kinematic.cells import Cells
-from flocking.kinematic.sight import Crowd, Scratch, detected
+from flocking.kinematic.sight import Crowd, Focal, Scratch, detected
 from flocking.kinematic.walls import nearest_point
 from flocking.obstacle_selection import keep_selected
 from flocking.perception import ARGUMENTS, Step, keep, keep_cone, keep_within
@@ -20,8 +20,9 @@ from flocking.types import ANONYMOUS, Bools, Floats, Ints, Kind
 
 
 @borrowing
-def obstacles_seen(x: float, y: float, c: float, s: float, walls: Floats, sight: float, points: Floats) -> int:
+def obstacles_seen(focal: Focal, walls: Floats, sight: float, points: Floats) -> int:
     """Writes the nearest point of each wall within sight, body frame; returns their number."""
+    x, y, c, s = focal.x, focal.y, focal.cosine, focal.sine
     count = 0
     for w in range(len(walls)):
         nx, ny = nearest_point(x, y, walls[w])
@@ -92,33 +93,24 @@ def select(i: int, found: int, stages: Stages, minds: Minds, place: Place, room:
 
 
 @inlined
-def know_oneself(
-    i: int,
-    x: float,
-    y: float,
-    heading: float,
-    vx: float,
-    vy: float,
-    stages: Stages,
-    bodies: Bodies,
-    minds: Minds,
-    dt: float,
-    own: Floats,
-) -> None:
-    """Writes what member i knows of itself, as `flocking.lawentry.packed_own` packs it."""
-    c, s = math.cos(heading), math.sin(heading)
+def know_oneself(focal: Focal, vx: float, vy: float, stages: Stages, herd: HerdArrays, own: Floats) -> None:
+    """Writes what the focal member knows of itself, as `flocking.lawentry.packed_own` packs it.
+
+    (vx, vy) is its velocity, world frame.
+    """
+    i, c, s = focal.id, focal.cosine, focal.sine
     own[0], own[1] = c * vx + s * vy, c * vy - s * vx
-    own[2] = bodies.turn_rates[i]
-    own[3] = heading
+    own[2] = herd.bodies.turn_rates[i]
+    own[3] = focal.heading
     own[4] = own[5] = math.nan
     if stages.goal:
-        gx, gy = minds.goals[i, 0] - x, minds.goals[i, 1] - y
+        gx, gy = herd.minds.goals[i, 0] - focal.x, herd.minds.goals[i, 1] - focal.y
         own[4], own[5] = c * gx + s * gy, c * gy - s * gx
     own[6] = own[7] = 0.0
     if stages.contacts:
-        own[6] = 1.0 if bodies.contacts[i, 0] else 0.0
-        own[7] = 1.0 if bodies.contacts[i, 1] else 0.0
-    own[8] = dt
+        own[6] = 1.0 if herd.bodies.contacts[i, 0] else 0.0
+        own[7] = 1.0 if herd.bodies.contacts[i, 1] else 0.0
+    own[8] = herd.dt
     own[9] = i
     own[10] = stages.role
 
@@ -129,30 +121,25 @@ def decide(
     i: int,
     row: int,
     stages: Stages,
-    bodies: Bodies,
-    minds: Minds,
+    herd: HerdArrays,
     crowd: Crowd,
     cells: Cells,
-    place: Place,
     u: Floats,
-    dt: float,
     room: Scratch,
 ) -> bool:
     """Stages 2 to 4 of member i; its motion is in `room.motion`. False if the law gave what it must not.
 
     `row`: where the crowd has it.
     """
-    x, y, heading = crowd.positions[row, 0], crowd.positions[row, 1], crowd.headings[row]
-    vx, vy = crowd.velocities[row, 0], crowd.velocities[row, 1]
-    know_oneself(i, x, y, heading, vx, vy, stages, bodies, minds, dt, room.own)
-    found = detected(i, x, y, heading, stages, crowd, cells, place, room)
+    bodies, minds, place = herd.bodies, herd.minds, herd.place
+    heading = crowd.headings[row]
+    focal = Focal(i, crowd.positions[row, 0], crowd.positions[row, 1], heading, math.cos(heading), math.sin(heading))
+    know_oneself(focal, crowd.velocities[row, 0], crowd.velocities[row, 1], stages, herd, room.own)
+    found = detected(focal, stages, crowd, cells, place.period, room)
     blocks = 0
     if stages.obstacles or stages.avoids or stages.virtual:
         blocks = obstacles_seen(
-            x,
-            y,
-            math.cos(heading),
-            math.sin(heading),
+            focal,
             place.walls,
             # in periodic space nothing is farther away than half the diagonal
             stages.sight if place.period == 0.0 else min(stages.sight, 0.7072 * place.period),
@@ -188,7 +175,7 @@ def decide(
             motion[2],
             room.own[0],
             room.own[1],
-            dt,
+            herd.dt,
             room.obstacles[:blocks],
             stages.look_ahead,
             stages.margin,

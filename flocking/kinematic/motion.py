@@ -11,7 +11,7 @@ import math
 
 from flocking.angles import wrap
 from flocking.compilation import borrowing
-from flocking.kinematic.arrays import Bodies, Limits, Place
+from flocking.kinematic.arrays import Bodies, HerdArrays, Limits, Place
 from flocking.kinematic.walls import until_touch, until_wall
 from flocking.types import Floats, Kind
 
@@ -123,10 +123,10 @@ def within(x: float, period: float) -> float:
 
 
 @borrowing
-def move(
-    i: int, kind: int, x: float, y: float, bodies: Bodies, others: Floats, limits: Limits, place: Place, dt: float
-) -> None:
-    """Moves member i by one step. `others` (N, 2) are the positions that it may run into."""
+def move(i: int, herd: HerdArrays, others: Floats) -> None:
+    """Moves member i by one step, as it decided. `others` (N, 2) are the positions that it may run into."""
+    bodies, limits, place, dt = herd.bodies, herd.limits, herd.place, herd.dt
+    kind, x, y = int(herd.motions[i, 0]), herd.motions[i, 1], herd.motions[i, 2]
     before = bodies.headings[i]
     px, py = bodies.positions[i, 0], bodies.positions[i, 1]
     vx, vy, heading = wanted(kind, x, y, before, bodies.velocities[i, 0], bodies.velocities[i, 1], limits.cruise[i], dt)

@@ -13,7 +13,7 @@ import numpy as np
 from flocking.angles import turn_between
 from flocking.compilation import borrowing, compiled, inlined
 from flocking.kinematic import detection
-from flocking.kinematic.arrays import BEARINGS, Bodies, Place, Stages
+from flocking.kinematic.arrays import BEARINGS, Bodies, Stages
 from flocking.kinematic.cells import Cells, nearby
 from flocking.kinematic.walls import shortest
 from flocking.lawentry import OWN_SIZE
@@ -30,6 +30,19 @@ class Crowd(NamedTuple):
     velocities: Floats
     ids: Ints
     """(N,) which member each row is."""
+
+
+class Focal(NamedTuple):
+    """The member that sees and decides; world frame."""
+
+    id: int
+    x: float
+    y: float
+    heading: float
+    cosine: float
+    """Of its heading."""
+    sine: float
+    """Likewise."""
 
 
 class Scratch(NamedTuple):
@@ -62,8 +75,11 @@ class Scratch(NamedTuple):
 
 
 @compiled
-def scratch(count: int, sets: int, walls: int, beams: int) -> Scratch:
-    """Room for herds of `count` members."""
+def scratch(count: int, stages: Stages, walls: int) -> Scratch:
+    """Room for what members with these stages see in a herd of `count` members, among so many walls."""
+    sets, beams = stages.steps.shape[0], 0
+    if stages.detection != detection.Detection.PERFECT:
+        beams = detection.BEAMS
     room = max(count, beams) + walls
     return Scratch(
         np.zeros(OWN_SIZE),
@@ -104,18 +120,10 @@ def assemble(bodies: Bodies, cells: Cells, crowd: Crowd) -> None:
 
 
 @inlined
-def of_all(
-    i: int,
-    x: float,
-    y: float,
-    positions: Floats,
-    who: Ints,
-    period: float,
-    squared: float,
-    found: Ints,
-    seen: Floats,
-) -> int:
-    """The same where there are no cells."""
+def of_all(focal: Focal, crowd: Crowd, period: float, squared: float, found: Ints, seen: Floats) -> int:
+    """What `candidates` does, where there are no cells; `squared` is the reach, squared."""
+    i, x, y = focal.id, focal.x, focal.y
+    positions, who = crowd.positions, crowd.ids
     count = 0
     if period == 0.0:
         for j in range(len(positions)):
@@ -132,26 +140,17 @@ def of_all(
     return count
 
 
-@borrowing
+@inlined
 def candidates(
-    i: int,
-    x: float,
-    y: float,
-    positions: Floats,
-    who: Ints,
-    members: Ints,
-    cells: Cells,
-    period: float,
-    reach: float,
-    near: Ints,
-    found: Ints,
-    seen: Floats,
+    focal: Focal, crowd: Crowd, cells: Cells, period: float, reach: float, room: Scratch, found: Ints
 ) -> int:
     """Writes which rows of the crowd are within reach of member i, and where from it (world axes); returns how many."""
     # each is written where the next found one goes: no branch that a processor could guess wrong
     squared, count = reach * reach, 0
     if cells.columns == 0:
-        return of_all(i, x, y, positions, who, period, squared, found, seen)
+        return of_all(focal, crowd, period, squared, found, room.seen)
+    i, x, y = focal.id, focal.x, focal.y
+    positions, who, members, near, seen = crowd.positions, crowd.ids, cells.members, room.near, room.seen
     pieces = nearby(cells, x, y, near)
     for p in range(0, pieces, 2):
         for k in range(near[p], near[p + 1]):
@@ -172,24 +171,15 @@ def turn_all(vectors: Floats, count: int, c: float, s: float, out: Floats) -> No
         out[k, 0], out[k, 1] = c * dx + s * dy, c * dy - s * dx
 
 
-@borrowing
-def describe(
-    heading: float,
-    c: float,
-    s: float,
-    found: int,
-    sources: Ints,
-    all_headings: Floats,
-    all_velocities: Floats,
-    all_ids: Ints,
-    headings: Floats,
-    velocities: Floats,
-    ids: Ints,
-) -> None:
+@inlined
+def describe(focal: Focal, found: int, crowd: Crowd, room: Scratch) -> None:
     """Writes heading, velocity (body axes) and id of each input from the member that it is of."""
+    c, s, sources = focal.cosine, focal.sine, room.sources
+    all_headings, all_velocities, all_ids = crowd.headings, crowd.velocities, crowd.ids
+    headings, velocities, ids = room.headings, room.velocities, room.ids
     for k in range(found):
         j = sources[k]
-        headings[k] = turn_between(heading, all_headings[j])
+        headings[k] = turn_between(focal.heading, all_headings[j])
         vx, vy = all_velocities[j, 0], all_velocities[j, 1]
         velocities[k, 0], velocities[k, 1] = c * vx + s * vy, c * vy - s * vx
         ids[k] = all_ids[j]
@@ -220,27 +210,12 @@ def owners_of(found: int, candidates_: Ints, sources: Ints) -> None:
 
 
 @inlined
-def detected(
-    i: int, x: float, y: float, heading: float, stages: Stages, crowd: Crowd, cells: Cells, place: Place, room: Scratch
-) -> int:
-    """Stage 2: writes the set D of member i in its body frame; returns its size."""
+def detected(focal: Focal, stages: Stages, crowd: Crowd, cells: Cells, period: float, room: Scratch) -> int:
+    """Stage 2: writes the set D of the focal member in its body frame; returns its size."""
     perfect = stages.detection == detection.Detection.PERFECT
     sources = room.sources if perfect else room.candidates
-    found = candidates(
-        i,
-        x,
-        y,
-        crowd.positions,
-        crowd.ids,
-        cells.members,
-        cells,
-        place.period,
-        stages.reach,
-        room.near,
-        sources,
-        room.seen,
-    )
-    c, s = math.cos(heading), math.sin(heading)
+    found = candidates(focal, crowd, cells, period, stages.reach, room, sources)
+    c, s = focal.cosine, focal.sine
     if perfect:
         turn_all(room.seen, found, c, s, room.positions)
     else:
@@ -257,19 +232,7 @@ def detected(
             room.sources,
         )
         owners_of(found, room.candidates, room.sources)
-    describe(
-        heading,
-        c,
-        s,
-        found,
-        room.sources,
-        crowd.headings,
-        crowd.velocities,
-        crowd.ids,
-        room.headings,
-        room.velocities,
-        room.ids,
-    )
+    describe(focal, found, crowd, room)
     if stages.information == BEARINGS:
         at_distance(room.positions, found, stages.assumed_distance)
     if stages.bearings:
