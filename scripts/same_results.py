@@ -73,7 +73,9 @@ def keep(folder: Path, experiments: list[str], seeds: list[int]) -> None:
 
 def compare(before: Path, after: Path) -> list[str]:
     """The differences, a line each."""
-    found: list[str] = []
+    if not before.is_dir() or not any(before.iterdir()):
+        raise SystemExit(f"{before} holds no results: make them with keep")
+    found = [f"{ADDED} {path.name}" for path in sorted(after.iterdir()) if not (before / path.name).exists()]
     for own in sorted(path for path in before.iterdir() if path.is_dir()):
         other = after / own.name
         if not other.is_dir():

@@ -10,17 +10,14 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from flocking import found, lawentry, selection
-from flocking.errors import unknown_name
+from flocking.errors import InputError, unknown_name
 from flocking.parameters import Parameter, checked, declared
 from trials import simulations
-from trials.rows import Row, Section, in_words, rows_of
+from trials.rows import OF_GROUP, OF_TRIAL, Row, Section, in_words, rows_of
 from trials.types import Group, Trial
 
 AVOIDS = "+"
 """Behind a law's name, adds the avoidance of obstacles that all laws share."""
-_OF_TRIAL = {"world.": "world_parameters", "formation.": "formation_parameters"}
-_OF_GROUP = {"law.": "law_parameters", "pipeline.": "pipeline_parameters", "spread.": "spread"}
-"""Prefix of a section → the field that holds its values. The values of all other sections are in the setup."""
 
 
 def put(trial: Trial, key: str, value: Any) -> Trial:
@@ -33,7 +30,9 @@ def put(trial: Trial, key: str, value: Any) -> Trial:
             continue
         value = checked(key, value, section.parameters[name])
         if group is None or number is None:
-            return _placed(trial, _OF_TRIAL, prefix, name, value)
+            return _placed(trial, OF_TRIAL, prefix, name, value)
+        if (prefix, name) == ("", "law") and value.endswith(AVOIDS) and not has(trial, f"{group.name}.obstacles"):
+            raise InputError(f"{key} = {value!r}: {trial.simulation} knows no avoidance of obstacles; expected no +")
         changed = _group_with(group, prefix, name, value)
         return dataclasses.replace(trial, groups=(*trial.groups[:number], changed, *trial.groups[number + 1 :]))
     raise unknown_name("parameter", key, _nearby(trial, group, key))
@@ -81,7 +80,7 @@ def _placed(kept: Any, places: Mapping[str, str], prefix: str, name: str, value:
 
 def _group_with(group: Group, prefix: str, name: str, value: Any) -> Group:
     if prefix or name not in ("law", "pipeline", "selection"):
-        return _placed(group, _OF_GROUP, prefix, name, value)
+        return _placed(group, OF_GROUP, prefix, name, value)
     if name == "law":
         return _with_law(group, value)
     if name == "pipeline":

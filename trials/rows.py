@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 from flocking.parameters import Declared, Parameter, declared
@@ -19,6 +20,13 @@ class Section(NamedTuple):
     as well."""
     words: Mapping[str, Parameter] = {}
     """By name, the source to show for a value in place of the declared one."""
+
+
+OF_TRIAL: Mapping[str, str] = MappingProxyType({"world.": "world_parameters", "formation.": "formation_parameters"})
+OF_GROUP: Mapping[str, str] = MappingProxyType(
+    {"law.": "law_parameters", "pipeline.": "pipeline_parameters", "spread.": "spread"}
+)
+"""Prefixes whose values stand in a field of their own of a `Trial` or a `Group`; those of all others in its setup."""
 
 
 class Row(NamedTuple):

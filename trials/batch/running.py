@@ -212,7 +212,10 @@ def kinds(trials: Sequence[Trial]) -> list[Trial]:
     """One trial for each combination of laws, pipelines and the like: running these compiles all code beforehand."""
     found: dict[Any, Trial] = {}
     for trial in trials:
-        code = tuple((g.pipeline, g.selection, g.law, g.law_source, _names_in(g.setup)) for g in trial.groups)
+        code = tuple(
+            (trial.simulation, trial.world, g.pipeline, g.selection, g.law, g.law_source, _names_in(g.setup))
+            for g in trial.groups
+        )
         found.setdefault(code, trial)
     return list(found.values())
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from flocking import found
 from flocking.errors import unknown_name
 from trials.simulations.contract import Simulation
-from trials.simulations.groups import check_names, check_setup
+from trials.simulations.groups import check_given, check_groups
 from trials.types import Measure, Trial, TrialResult
 
 
@@ -37,8 +37,8 @@ def named(name: str) -> Simulation:
 def check(trial: Trial) -> None:
     """Refuses, before anything is run, a trial whose names and numbers do not fit one another: `InputError`."""
     own = of(trial)
-    check_names(trial)
-    check_setup(trial, own.keys_of)
+    check_groups(trial, own.keys_of)
+    check_given(trial, own.keys_of)
     own.check(trial)
 
 
@@ -55,8 +55,8 @@ def run_trial(trial: Trial, scans: str = "none", reraise: bool = False) -> Trial
     raised instead. Raises `InputError` for a trial that cannot be set up.
     """
     own = of(trial)
-    check_names(trial)
-    check_setup(trial, own.keys_of)
+    check_groups(trial, own.keys_of)
+    check_given(trial, own.keys_of)
     return own.run_trial(trial, scans, reraise)
 
 

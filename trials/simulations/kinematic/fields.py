@@ -12,6 +12,7 @@ from typing import Annotated, Any, NamedTuple
 
 from flocking import lawentry
 from flocking import obstacle_selection as selection_of_obstacles
+from flocking.errors import InputError, unknown_name
 from flocking.kinematic.bands import MOST_M
 from flocking.parameters import Parameter, filled
 from flocking.taxonomy import Herd
@@ -302,13 +303,29 @@ def of_group(group: Group) -> GroupFields:
 
 
 def space_of(trial: Trial) -> str:
-    """The name of a trial's world; the law's own where it is left to it."""
+    """The name of a trial's world; the law's own where it is left to it. Raises `InputError` without groups."""
+    if not trial.groups:
+        raise InputError("the trial has no members: expected at least one group")
     return own_herd(trial.groups[0]).space if trial.world == OWN_SPACE else trial.world
+
+
+def world_parameters(trial: Trial) -> type:
+    """What the trial's world can be given. Raises `InputError` for a world that there is not."""
+    if trial.world not in SPACES:
+        raise unknown_name("world", trial.world, SPACES)
+    return WORLD_PARAMETERS[space_of(trial)]
+
+
+def formation_parameters(trial: Trial) -> type:
+    """What the trial's formation can be given. Raises `InputError` for a formation that there is not."""
+    if trial.formation not in FORMATIONS:
+        raise unknown_name("formation", trial.formation, FORMATIONS)
+    return FORMATION_PARAMETERS[trial.formation]
 
 
 def world_of(trial: Trial) -> Any:
     """The world's parameters, filled in."""
-    fields = filled(WORLD_PARAMETERS[space_of(trial)], trial.world_parameters, prefix="world.")
+    fields = filled(world_parameters(trial), trial.world_parameters, prefix="world.")
     if not hasattr(fields, "size_m"):
         return fields
     count = sum(group.count for group in trial.groups)
@@ -320,7 +337,7 @@ def world_of(trial: Trial) -> Any:
 
 def formation_of(trial: Trial) -> Any:
     """The formation's parameters, filled in."""
-    fields = filled(FORMATION_PARAMETERS[trial.formation], trial.formation_parameters, prefix="formation.")
+    fields = filled(formation_parameters(trial), trial.formation_parameters, prefix="formation.")
     own = own_herd(trial.groups[0])
     if trial.formation in lattice_starts.NAMES:
         usual = own.spacing_m if trial.formation == lattice_starts.POSITION else own.speed_m_s

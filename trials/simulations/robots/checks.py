@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
 from flocking.errors import InputError
 from flocking.parameters import filled
 from flocking.types import Floats
+from sensing.laser import hokuyo
 from trials.simulations import spread
 from trials.simulations.robots import information
 from trials.simulations.robots.fields import GroupFields, TrialFields, of_trial, world_of
@@ -37,6 +39,7 @@ def check(trial: Trial) -> None:
                 f"{its.group.name}.speed_m_s = {its.given.speed_m_s:g}: expected at most {its.body.top_speed:g} m/s, "
                 f"the top speed of body {its.body.name!r}"
             )
+        _check_sensors(its, groups)
         information.check(its)
         spread.check(trial, number, its.law_parameters._asdict())
     world = world_of(trial)
@@ -47,6 +50,24 @@ def check(trial: Trial) -> None:
     _check_reach(trial, given, poses_w, float(world.free_length(walls, widest)), fastest, widest)
     names = [f"{group.name}-{k + 1}" for group in trial.groups for k in range(group.count)]
     check_starts(names, poses_w, radii, world.walls(walls).segments)
+
+
+def _check_sensors(its: Resolved, groups: Sequence[Resolved]) -> None:
+    """A group whose detection reads a laser must have one, in the plane of all others: all scan one plane."""
+    if its.pipeline_reads <= {"truth"}:
+        return
+    for other in groups:
+        if "laser" not in other.body.mounts:
+            raise InputError(
+                f"body {other.body.name!r} of {other.group.name} carries no laser, and {its.group.pipeline!r} of "
+                f"{its.group.name} reads one; expected bodies with lasers, or perfect detection"
+            )
+        apart = other.body.mount("laser").height_m - its.body.mount("laser").height_m
+        if abs(apart) > hokuyo.SAME_HEIGHT_M:
+            raise InputError(
+                f"the lasers of {its.group.name} and {other.group.name} scan {abs(apart):g} m apart: expected bodies "
+                "whose lasers are equally high"
+            )
 
 
 def _check_reach(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, NamedTuple
 
-from flocking import found, obstacle_selection
+from flocking import found, lawentry, obstacle_selection
 from flocking.errors import unknown_name
 from flocking.parameters import Parameter, filled
 from robots import body as bodies
@@ -162,10 +162,13 @@ def trial(
     *,
     world: str = TrialFields().world,
     formation: str = TrialFields().formation,
+    world_parameters: Mapping[str, Value] | None = None,
     **setup: Value,
 ) -> Trial:
     """A trial of robots; `setup`: of `TrialFields`."""
-    return Trial(experiment, repeat, NAME, world, formation, tuple(groups), setup=setup)
+    return Trial(
+        experiment, repeat, NAME, world, formation, tuple(groups), world_parameters=world_parameters or {}, setup=setup
+    )
 
 
 def group(
@@ -175,12 +178,27 @@ def group(
     name: str = "herd",
     pipeline: str = GroupFields().pipeline,
     selection: str = GroupFields().selection,
-    law_source: str = "",
     law_parameters: Mapping[str, Value] | None = None,
+    pipeline_parameters: Mapping[str, Value] | None = None,
+    spread: Mapping[str, float] | None = None,
     **setup: Value,
 ) -> Group:
-    """A group of robots; `setup`: of `GroupFields`, and below `sensors.`, `association.` and `avoidance.`."""
-    return Group(law, count, pipeline, name, selection, law_source, law_parameters or {}, setup=setup)
+    """A group of robots; `setup`: of `GroupFields`, and below `sensors.`, `association.` and `avoidance.`.
+
+    `law`: a law's name, or the path of a file, whose text is read. Raises `InputError` where it cannot be.
+    """
+    return Group(
+        law=law,
+        count=count,
+        pipeline=pipeline,
+        name=name,
+        selection=selection,
+        law_source=lawentry.read_source(law) if lawentry.is_path(law) else "",
+        law_parameters=law_parameters or {},
+        pipeline_parameters=pipeline_parameters or {},
+        spread=spread or {},
+        setup=setup,
+    )
 
 
 def of_trial(trial: Trial) -> TrialFields:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from dataclasses import dataclass
 from functools import cache
 from typing import NamedTuple
@@ -73,7 +74,8 @@ def assemble(trial: Trial, record: bool) -> Herd:
     world = build(trial.world, trial.world_parameters, bodies, names, poses_w, timestep)
     reads = [frozenset(minds[g].its.pipeline.READS) for g, _ in numbers]
     lasers = None
-    if record or any("truth" not in r for r in reads):
+    carried = all("laser" in body.mounts for body in world.bodies)
+    if (record and carried) or any("truth" not in r for r in reads):
         lasers = hokuyo.Lasers(
             world.whole,
             [f"{prefix(name)}{body.mount('laser').site}" for name, body in zip(names, world.bodies, strict=True)],
@@ -172,7 +174,8 @@ def _robot(
 
 
 def _pipeline_state(its: Resolved) -> PipelineState:
-    height_m = its.body.mount("laser").height_m
+    laser = its.body.mounts.get("laser")
+    height_m = laser.height_m if laser is not None else math.nan  # of a detection that reads no laser
     return its.pipeline.start(its.pipeline_parameters, member_model(its.given.body), height_m, hokuyo.ANGLES)
 
 

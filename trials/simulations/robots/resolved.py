@@ -88,6 +88,11 @@ class Resolved:
         """The member detection's file."""
         return found.load(PIPELINES, self.group.pipeline, "pipeline")
 
+    @property
+    def pipeline_reads(self) -> frozenset[str]:
+        """What the member detection reads of a robot's senses."""
+        return frozenset(self.pipeline.READS)
+
     @cached_property
     def pipeline_parameters(self) -> Any:
         """The member detection's parameters."""

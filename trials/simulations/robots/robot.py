@@ -83,6 +83,7 @@ class Robot:
     _motion_row: Floats = field(default_factory=lambda: np.zeros(4))
 
     def __post_init__(self) -> None:
+        self._followed = frozenset(int(kind) for kind in self.body.follows)
         self._velocity, self._goal = self._own_row[0:2], self._own_row[GOAL]
         self._reads_intensity = "intensity" in self.reads
         self._reads_owners = "owners" in self.reads
@@ -170,6 +171,11 @@ class Robot:
         if not (finite and 0 <= kind < len(Kind) and 0 <= rule < len(self.law.rules)):
             raise LawError(
                 f"law {self.law.name!r} returned kind {kind:g}, x {x:g}, y {y:g}, rule {rule:g} for {self.name}"
+            )
+        if int(kind) not in self._followed:
+            raise LawError(
+                f"law {self.law.name!r} returned {Kind(int(kind)).name.lower()} for {self.name}, a motion that body "
+                f"{self.body.name!r} does not follow"
             )
         return Motion(int(kind), x, y, int(rule))
 

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from rerun.chunk import RrdReader
 
 from flocking.errors import InputError
 from robots import body as bodies
@@ -141,7 +142,14 @@ class TestTrial:
         assert done.measures["distance_travelled"] > 0.1
         path = tmp_path / "trial.rrd"
         write(done, path)
-        assert path.stat().st_size > 0
+        radii = {}
+        for chunk in RrdReader(path).stream():
+            if chunk.entity_path.endswith("/body"):
+                (column,) = (name for name in chunk.to_record_batch().schema.names if name.endswith("radii"))
+                ((radius,),) = chunk.to_record_batch().column(column).to_pylist()
+                radii[chunk.entity_path.split("/")[-2]] = radius
+        expected = {name: CREATE.radius if name.startswith("herd") else SMALL.radius for name in done.robot_names}
+        assert radii == pytest.approx(expected, rel=1e-6)  # kept in single precision
 
     def test_the_same_trial_gives_the_same_result(self) -> None:
         first, second = run_trial(trial()), run_trial(trial())
