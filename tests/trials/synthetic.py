@@ -47,7 +47,7 @@ def synthetic_result(
             "detection-case-study",
             repeat,
             [fields.group(count=robots, pipeline=pipeline)],
-            duration_s=float(seconds),
+            duration_s=max(0.1, float(seconds)),  # a trial may fail at once, but is not planned to last no time
         ),
         index=index,
         seed=seed,

@@ -16,7 +16,7 @@ from trials.simulations.kinematic.measures import ABOUT
 from trials.types import TrialResult
 
 FOREIGN = ("dong", "couzin")
-"""Laws to put in place of an experiment's own; the second is for experiments that need links, which the first lacks."""
+"""Laws in place of an experiment's own; the second is for those that refuse the first, of which no links are known."""
 REPORTED = [
     name
     for name in design.experiment_names()

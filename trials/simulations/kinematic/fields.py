@@ -1,6 +1,6 @@
-"""What a kinematic trial and its groups can be given, with units and sources, and what stands for what they leave open.
+"""The parameters of a kinematic trial and of its groups, with units and sources; how trials and groups are made.
 
-A value of nan, or −1 leaders, is open: the herd that the law itself declares (`HERD` in its file) then gives it.
+A value of nan, or −1 leaders, is left open: it is then that of the herd which the law declares (`HERD` in its file).
 """
 
 from __future__ import annotations
@@ -22,25 +22,25 @@ from trials.types import Group, Trial, Value
 
 NAME = "kinematic"
 OPEN = math.nan
-"""Left to the law's own herd."""
+"""A value that is left to the law's own herd."""
 OWN_LEADERS = -1
-"""Likewise of a number of leaders."""
+"""A number of leaders that is left to the law's own herd."""
 LEADER = 1
 """The role of a leader or of a strong member."""
 NO_LIMIT = 0.0
-"""Of a speed, a turn rate or a range."""
+"""A speed, turn rate or range without a limit."""
 DETECTIONS = ("perfect", "member-based", "member-extrapolated", "sensor-based")
 OWN_SPACE = "own"
-"""The world that the law's own herd names."""
+"""Names the world of the law's own herd."""
 SPACES = (OWN_SPACE, "unbounded", "bounded", "periodic", "obstacles")
 FORMATIONS = ("uniform", "single-group", "split-group", "triangular-lattice", "square-lattice", *lattice_starts.NAMES)
 LINKS = "links."
-"""Before the keys of the links that a trial measures."""
+"""Prefix of the keys of the links that a trial measures."""
 _LAW = "the law's own herd: HERD in its file"
 
 
 class TrialFields(NamedTuple):
-    """Of a kinematic trial."""
+    """What a kinematic trial has beside its names and groups."""
 
     steps: Annotated[int, Parameter("", "a choice", low=1, high=10_000_000)] = 500
     timestep_s: Annotated[float, Parameter("s", _LAW, low=1e-6, high=1e3)] = OPEN
@@ -64,14 +64,14 @@ class TrialFields(NamedTuple):
 
 
 class NameFields(NamedTuple):
-    """Names of a kinematic trial."""
+    """The names of a kinematic trial's world and formation."""
 
     world: Annotated[str, Parameter("", _LAW, choices=SPACES)] = OWN_SPACE
     formation: Annotated[str, Parameter("", "a choice", choices=FORMATIONS)] = "uniform"
 
 
 class GroupNames(NamedTuple):
-    """What a kinematic group shares with a group of robots."""
+    """What a kinematic group has that a group of robots has as well."""
 
     count: Annotated[int, Parameter("members", "a choice", low=1, high=1_000_000)] = 50  # type: ignore[assignment]
     pipeline: Annotated[str, Parameter("", "Fine 2015, section 2.2, without noise", choices=DETECTIONS)] = "perfect"
@@ -279,7 +279,7 @@ def _declared(law: str, source: str) -> Herd:
 
 
 def of_trial(trial: Trial) -> TrialFields:
-    """A trial's fields with everything filled in: what it leaves open is the first group's law's."""
+    """A trial's fields with everything filled in; open values are those of the first group's law."""
     fields: TrialFields = filled(TrialFields, below(trial.setup, ""))
     own = own_herd(trial.groups[0])
     return fields._replace(
@@ -303,7 +303,7 @@ def of_group(group: Group) -> GroupFields:
 
 
 def space_of(trial: Trial) -> str:
-    """The name of a trial's world; the law's own where it is left to it. Raises `InputError` without groups."""
+    """The name of a trial's world, which may be that of the law's own herd. Raises `InputError` without groups."""
     if not trial.groups:
         raise InputError("the trial has no members: expected at least one group")
     return own_herd(trial.groups[0]).space if trial.world == OWN_SPACE else trial.world
@@ -346,10 +346,11 @@ def formation_of(trial: Trial) -> Any:
 
 
 def links_of(trial: Trial) -> links.Parameters | None:
-    """With which a trial's links are measured; None if they are not."""
+    """The parameters by which a trial's links are measured; None if they are not measured."""
     given = below(trial.setup, LINKS)
     return filled(links.Parameters, given, prefix=LINKS) if given else None
 
 
 def _closed(value: float, own: float) -> float:
+    """`value`, or `own` where it is left open."""
     return own if math.isnan(value) else value

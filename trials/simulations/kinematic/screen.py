@@ -1,4 +1,4 @@
-"""How a kinematic trial's recording opens in the viewer."""
+"""The layout of a kinematic trial's recording in the viewer."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from trials.simulations.kinematic import fields
 from trials.types import TrialResult
 
 TRAIL_SHARE = 0.1
-"""Of the trial: how long a piece of its way a member draws behind it."""
+"""How long the path behind a member stays in sight, as a share of the trial."""
 TRAIL_COLOUR = 0x8FA3B880
 MARK_SHARE = 0.25
-"""Size of a member that has none, of the spacing at the start."""
+"""Drawn size of a member without a radius, as a share of the spacing at the start."""
 
 
 def size_of(result: TrialResult) -> float:
