@@ -1,4 +1,4 @@
-"""A kinematic herd from Python: who it is made of, where it is, and its simulation piece by piece.
+"""The kinematic herd from Python: its start, its schedule, and its simulation in pieces of some 0.2 s of wall time.
 
 Metres, seconds, radians; world frame.
 """
@@ -10,6 +10,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from time import perf_counter
 from types import ModuleType
+from typing import NamedTuple
 
 import numpy as np
 
@@ -20,26 +21,36 @@ from flocking.perception import Step
 from flocking.tessellation import tessellated
 from flocking.types import Bools, Floats, Ints
 
-__all__ = ["Band", "History", "KinematicHerd", "LawFailedError", "Space", "simulate", "start_uniform"]
+__all__ = [
+    "Band",
+    "History",
+    "KinematicHerd",
+    "LawFailedError",
+    "Progress",
+    "Schedule",
+    "Space",
+    "simulate",
+    "start_uniform",
+]
 
 PIECE_S = 0.2
 """Wall time after which a kernel returns to Python, so that Ctrl-C is heard: well below half a second."""
 MOST_DRAWS = 4_000_000
 """Random numbers held at a time."""
 FIRST_LOOKS, FIRST_DECISIONS = 4_000_000, 500
-"""Looks of one member at another, and decisions, in the first piece, when nobody knows yet how long they take: of the
-project's laws far below 0.1 s, and half a second of a law that needs a thousand times as long."""
+"""Most looks of one member at another, and most decisions, in the first piece, before any time has been taken. The
+project's laws need far less than 0.1 s for them, and a law a thousand times as slow half a second."""
 FASTER = 4
-"""By which a piece may be longer than the last one."""
+"""A piece has at most so many times the decisions of the one before."""
 
 
 class LawFailedError(ValueError):
-    """A law gave what it must not; the message names the law, the member and the step in one line."""
+    """A law raised an error or returned no valid motion; the message names law, member and step in one line."""
 
 
 @dataclass(frozen=True)
 class History:
-    """What a herd of N members did, at T times."""
+    """The states of a herd of N members at the T times that were kept; world frame."""
 
     times: Floats
     """(T,) s, from 0."""
@@ -56,6 +67,37 @@ class History:
         return np.concatenate([self.positions_w, self.headings_w[..., None]], axis=2)
 
 
+class Schedule(NamedTuple):
+    """How a simulation goes on: its time step, its length, what is kept of it, and in which order members act."""
+
+    dt_s: float
+    steps: int
+    every: int = 1
+    """One step in so many is kept, and the start."""
+    synchronous: bool = True
+    """All members decide on the same state and then move; otherwise one after the other within each step, in an order
+    drawn anew."""
+
+    def checked(self) -> Schedule:
+        """Itself, with whole numbers as `int`. Raises `InputError` for numbers that no simulation can have."""
+        dt_s, steps, every, _ = self
+        if not 0.0 < dt_s < math.inf or steps < 0 or every < 1 or steps % 1 or every % 1:
+            raise InputError(
+                f"dt_s = {dt_s:g}, steps = {steps}, every = {every}: expected a finite positive time, and whole "
+                "numbers of at least 0 and 1"
+            )
+        return self._replace(steps=int(steps), every=int(every))
+
+
+class Progress(NamedTuple):
+    """How others learn how far a simulation has come."""
+
+    said: Callable[[int], None] | None = None
+    """Is told the steps done after each piece of work."""
+    turn: Ints | None = None
+    """(3,) is written to: the steps done before a piece, the step in it and the member at work, all from 0."""
+
+
 def start_uniform(count: int, side_m: float, rng: np.random.Generator) -> Floats:
     """(count, 3) poses drawn uniformly from the square [0, side]² and from all headings."""
     return np.column_stack([rng.uniform(0.0, side_m, (count, 2)), rng.uniform(-math.pi, math.pi, count)])
@@ -64,34 +106,23 @@ def start_uniform(count: int, side_m: float, rng: np.random.Generator) -> Floats
 def simulate(
     bands: Sequence[Band] | Band,
     poses_w: Floats,
+    schedule: Schedule,
     *,
-    dt_s: float,
-    steps: int,
     rng: np.random.Generator,
     space: Space | None = None,
     speeds_m_s: float | Floats = 0.0,
     velocities_w: Floats | None = None,
-    synchronous: bool = True,
-    every: int = 1,
     graph: Bools | None = None,
-    said: Callable[[int], None] | None = None,
-    turn: Ints | None = None,
+    progress: Progress | None = None,
 ) -> History:
-    """Simulates the bands, whose members stand one after the other at `poses_w` (N, 3).
+    """Simulates the bands, whose members start at `poses_w` (N, 3), one band after the other.
 
-    They start with `speeds_m_s` along their headings, or with `velocities_w` (N, 2). Synchronous: all decide on the
-    same state, then all move; otherwise one after the other within each step, in an order drawn anew. Every
-    `every`-th step is kept. `graph` (N, N): who is in whose fixed set. `said` is told the steps done after each piece.
-    `turn` (3,) is kept at the steps done before a piece, the step in it, and the member at work, from 0.
-    Raises `InputError` for what does not fit and `LawFailedError` if a law fails.
+    They start with `speeds_m_s` along their headings, or with `velocities_w` (N, 2). `graph` (N, N): who is in whose
+    fixed set. Raises `InputError` for what does not fit and `LawFailedError` if a law fails.
     """
     bands = [bands] if isinstance(bands, Band) else list(bands)
-    if not 0.0 < dt_s < math.inf or steps < 0 or every < 1 or steps % 1 or every % 1:
-        raise InputError(
-            f"dt_s = {dt_s:g}, steps = {steps}, every = {every}: expected a finite positive time, and whole numbers of "
-            "at least 0 and 1"
-        )
-    steps, every = int(steps), int(every)
+    dt_s, steps, every, synchronous = schedule.checked()
+    said, turn = progress or Progress()
     run = KinematicHerd(bands, poses_w, space or Space(), graph, dt_s, rng, turn)
     run.start(velocities_w, speeds_m_s)
     tracks = np.empty((steps // every + 1, len(run.positions), 5))
@@ -139,7 +170,7 @@ def _first_not_finite(rows: Floats) -> int:
 
 
 class KinematicHerd:
-    """A herd at work."""
+    """A herd that is being simulated: its arrays, its random numbers, and how much work a piece may hold."""
 
     def __init__(
         self,
@@ -226,9 +257,10 @@ class KinematicHerd:
         synchronous: bool,
         said: Callable[[int], None] | None = None,
     ) -> None:
-        """So many steps more, after `done`; every `every`-th of them is written to `tracks` (T, N, 5).
+        """Does so many steps more, after `done`, and writes every `every`-th of them to `tracks` (T, N, 5).
 
-        Python is returned to after `PIECE_S`, be it within a step, and `said` is told the steps done after each piece.
+        The kernel returns to Python after some `PIECE_S`, even within a step; `said` is told the steps done after each
+        piece.
         """
         first, end, count = done - done % every, done + steps, len(self.positions)
         while done < end:
@@ -280,7 +312,7 @@ class KinematicHerd:
 
     @property
     def _nothing(self) -> Tracks:
-        """Keeps no step: of the one that is done at a time it would keep the second."""
+        """Keeps no step of a piece of one: `advance` records the step once all parts of it are done."""
         return Tracks(np.empty((0, len(self.positions), 5)), 2, 0)
 
     def _tessellate(self) -> None:

@@ -1,14 +1,14 @@
-"""The kinematic herd in plain Python and NumPy, one member at a time: what the compiled one is held against.
+"""The kinematic herd in plain Python and NumPy, one member at a time: tests compare the compiled herd with it.
 
-It knows perfect detection, goals, roles, graphs, obstacles with all that the shared stages make of them, ideal and
-limited motion, open and periodic space. It stops nobody at a wall: who touched one is not for it to say.
+It has perfect detection, goals, roles, graphs, obstacles with all that the shared stages make of them, ideal and
+limited motion, unbounded and periodic space. Walls stop nobody here: tests leave out members that touched one.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Collection, Mapping, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -17,6 +17,31 @@ from flocking.kinematic.arrays import Bodies
 from flocking.kinematic.herd import Band
 from flocking.tessellation import tessellated
 from flocking.types import NO_OBSTACLES, Bools, Floats, Kind, Members, Motion, Obstacles, Own, only
+
+
+class Surroundings(NamedTuple):
+    """What a step has around its N members; world frame."""
+
+    dt_s: float
+    period_m: float
+    """Side of the periodic square; 0 = the space is not periodic."""
+    graph: Bools | None
+    """(N, N): who is in whose fixed set."""
+    touching: Bools | None
+    """(N, N): whose Voronoi cells touch; None if no selection reads it."""
+    walls_w: Floats | None
+    """(W, 4) segments."""
+
+
+class Mind(NamedTuple):
+    """What one member decides by."""
+
+    band: Band
+    number: int
+    """Of the member in its band, from 0."""
+    sets: Sequence[Sequence[selection.Chosen]]
+    parameters: Any
+    """Of its law, as that law's `Parameters`."""
 
 
 def step(
@@ -37,52 +62,26 @@ def step(
     """
     after = Bodies._make(array.copy() for array in before)
     first = 0
-    touching = None
-    for band, numbers in zip(bands, draws, strict=True):
-        sets = selection.parse_sets(band.selection, band.law.sets, band.law.parameter_names)
+    parsed = [selection.parse_sets(band.selection, band.law.sets, band.law.parameter_names) for band in bands]
+    voronoi = any(chosen.step is selection.Step.VORONOI for sets in parsed for steps in sets for chosen in steps)
+    touching = tessellated(before.positions, period_m) if voronoi else None
+    around = Surroundings(dt_s, period_m, graph, touching, walls_w)
+    for band, sets, numbers in zip(bands, parsed, draws, strict=True):
         for i in range(first, first + band.count):
             if members is not None and i not in members:
                 continue
             given = band.parameters if isinstance(band.parameters, Mapping) else band.parameters[i - first]
-            parameters = band.law.parameters(given)
-            if any(chosen.step is selection.Step.VORONOI for steps in sets for chosen in steps) and touching is None:
-                touching = tessellated(before.positions, period_m)
-            motion = _decided(
-                i,
-                first,
-                band,
-                sets,
-                parameters,
-                before,
-                after.memory,
-                numbers[i - first],
-                dt_s,
-                period_m,
-                graph,
-                touching,
-                walls_w,
-            )
+            mind = Mind(band, i - first, sets, band.law.parameters(given))
+            motion = _decided(i, mind, before, after.memory, numbers[i - first], around)
             _move(i, band, motion, before, after, dt_s, period_m)
         first += band.count
     return after
 
 
-def _decided(
-    i: int,
-    first: int,
-    band: Band,
-    sets: Sequence[Sequence[selection.Chosen]],
-    parameters: Any,
-    now: Bodies,
-    memory: Floats,
-    u: Floats,
-    dt: float,
-    period: float,
-    graph: Bools | None,
-    touching: Bools | None,
-    walls: Floats | None,
-) -> Motion:
-    """Stages 2 to 4 of member i, of a band that begins with member `first`."""
+def _decided(i: int, mind: Mind, now: Bodies, memory: Floats, u: Floats, around: Surroundings) -> Motion:
+    """Stages 2 to 4 of member i; `memory` (N, MEMORY) is written to, `u` (DRAWS,) are its random numbers."""
+    band, number, sets, parameters = mind
+    dt, period, graph, touching, walls = around
     heading = now.headings[i]
     to_body = np.array([[math.cos(heading), math.sin(heading)], [-math.sin(heading), math.cos(heading)]])
     others = np.delete(np.arange(len(now.positions)), i)
@@ -121,7 +120,7 @@ def _decided(
             masks[s] = selection.select(chosen, members, graph)
     goal = np.full(2, math.nan)
     if band.goals_w is not None:
-        goal = to_body @ (band.goals_w[i - first] - now.positions[i])
+        goal = to_body @ (band.goals_w[number] - now.positions[i])
     own = Own(
         velocity,
         float(now.turn_rates[i]),

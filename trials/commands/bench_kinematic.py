@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from flocking import lawentry
-from flocking.kinematic import Band, Space, plain, simulate, start_uniform
+from flocking.kinematic import Band, Schedule, Space, plain, simulate, start_uniform
 from flocking.kinematic.arrays import Bodies
 from flocking.types import Floats
 
@@ -43,9 +43,7 @@ def _step_seconds(count: int, steps: int) -> float:
     simulate(
         band,
         poses,
-        dt_s=dt,
-        steps=steps,
-        every=steps,
+        Schedule(dt, steps, every=steps),
         rng=np.random.default_rng(2),
         speeds_m_s=band.law.herd.speed_m_s,
         space=Space(),

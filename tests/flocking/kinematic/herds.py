@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from flocking import lawentry
-from flocking.kinematic import Band, History, Space, simulate
+from flocking.kinematic import Band, History, Schedule, Space, simulate
 from flocking.types import Floats
 
 TOLD = """
@@ -67,8 +67,19 @@ def poses(places: Any, headings: Any = 0.0) -> Floats:
     return np.column_stack([places, np.broadcast_to(np.asarray(headings, dtype=float), len(places))])
 
 
-def run(bands: Any, starts: Floats, steps: int, *, dt_s: float = 1.0, seed: int = 0, **more: Any) -> History:
-    return simulate(bands, starts, dt_s=dt_s, steps=steps, rng=np.random.default_rng(seed), **more)
+def run(
+    bands: Any,
+    starts: Floats,
+    steps: int,
+    *,
+    dt_s: float = 1.0,
+    every: int = 1,
+    synchronous: bool = True,
+    seed: int = 0,
+    **more: Any,
+) -> History:
+    schedule = Schedule(dt_s, steps, every, synchronous)
+    return simulate(bands, starts, schedule, rng=np.random.default_rng(seed), **more)
 
 
 def same(one: History, other: History) -> bool:

@@ -72,11 +72,11 @@ CALL = """
 import sys
 import numpy as np
 from flocking import lawentry
-from flocking.kinematic import Band, simulate
+from flocking.kinematic import Band, Schedule, simulate
 
 start = np.array([[0.0, 0.0, 0.0], [0.0, 5.0, 0.0]])
 band = Band(lawentry.load(sys.argv[1]), 2)
-history = simulate(band, start, dt_s=1.0, steps=1, rng=np.random.default_rng(0))
+history = simulate(band, start, Schedule(1.0, 1), rng=np.random.default_rng(0))
 print(float(history.positions_w[-1, 0, 0]))
 """
 

@@ -17,7 +17,7 @@ from numpy.testing import assert_allclose
 
 from flocking import lawentry
 from flocking.errors import InputError
-from flocking.kinematic import Band, LawFailedError, Space, cells, herd, simulate, start_uniform
+from flocking.kinematic import Band, LawFailedError, Progress, Schedule, Space, cells, herd, simulate, start_uniform
 from flocking.kinematic.herd import KinematicHerd
 from flocking.types import Floats
 from tests.flocking.kinematic.herds import SQUARE, TOLD, differences, law_of, poses, run, same, told
@@ -173,7 +173,7 @@ class TestOneHistory:
         monkeypatch.setattr(herd, "PIECE_S", 1e-12)
         monkeypatch.setattr(herd, "FIRST_LOOKS", 1)
         heard: list[int] = []
-        run(vicsek(10), start_uniform(10, 3.0, np.random.default_rng(1)), 9, said=heard.append)
+        run(vicsek(10), start_uniform(10, 3.0, np.random.default_rng(1)), 9, progress=Progress(heard.append))
         assert heard == list(range(1, 10))
 
     def test_the_start_is_left_alone(self) -> None:
@@ -403,14 +403,14 @@ LONG = """
 import sys, time
 import numpy as np
 from flocking import lawentry
-from flocking.kinematic import Band, simulate, start_uniform
+from flocking.kinematic import Band, Schedule, simulate, start_uniform
 
 name, count, every, synchronous = sys.argv[1], int(sys.argv[2]), int(sys.argv[3]), sys.argv[4] == "together"
 band = Band(lawentry.load(name), count)
 start = start_uniform(count, 100.0, np.random.default_rng(0))
 print("going", flush=True)
 try:
-    simulate(band, start, dt_s=0.1, steps=10**7, every=every, rng=np.random.default_rng(0), synchronous=synchronous)
+    simulate(band, start, Schedule(0.1, 10**7, every, synchronous), rng=np.random.default_rng(0))
 except KeyboardInterrupt:
     print(time.time(), flush=True)
 """
@@ -461,11 +461,11 @@ class TestBadInput:
             ({"space": Space(walls=np.zeros((2, 3)))}, r"walls of shape \(2, 3\)"),
             ({"space": Space(walls=np.full((1, 4), np.nan))}, "finite numbers"),
             ({"space": Space("bounded", 1.0)}, r"member 3 starts at 2, 2, outside of the bounded space"),
-            ({"dt_s": 0.0}, "dt_s = 0"),
-            ({"dt_s": math.nan}, "dt_s = nan"),
-            ({"dt_s": math.inf}, "dt_s = inf"),
-            ({"steps": -1}, "steps = -1"),
-            ({"every": 0}, "every = 0"),
+            ({"schedule": Schedule(0.0, 2)}, "dt_s = 0"),
+            ({"schedule": Schedule(math.nan, 2)}, "dt_s = nan"),
+            ({"schedule": Schedule(math.inf, 2)}, "dt_s = inf"),
+            ({"schedule": Schedule(0.1, -1)}, "steps = -1"),
+            ({"schedule": Schedule(0.1, 2, every=0)}, "every = 0"),
             ({"poses_w": np.zeros((2, 3))}, r"starting poses of shape \(2, 3\) for 3 members"),
             ({"poses_w": np.zeros((3, 2))}, r"starting poses of shape \(3, 2\) for 3 members"),
             ({"poses_w": np.zeros(9)}, r"starting poses of shape \(9,\)"),
@@ -511,8 +511,7 @@ class TestBadInput:
         given: dict[str, Any] = {
             "bands": told(3),
             "poses_w": poses([[0.0, 0.0], [1.0, 0.5], [2.0, 2.0]]),
-            "dt_s": 0.1,
-            "steps": 2,
+            "schedule": Schedule(0.1, 2),
             "rng": np.random.default_rng(0),
             **change,
         }

@@ -12,7 +12,7 @@ import pytest
 from scipy.sparse.csgraph import connected_components
 
 from flocking import lawentry
-from flocking.kinematic import Band, History, Space, simulate, start_uniform
+from flocking.kinematic import Band, History, Schedule, Space, simulate, start_uniform
 from flocking.measures import formation
 from flocking.types import Bools, Floats
 from tests.flocking.kinematic.herds import poses
@@ -40,12 +40,10 @@ def orders(count: int, noise: float, density: float = 4.0, steps: int = 800, see
         history = simulate(
             Band(lawentry.load("vicsek"), count, {"noise_rad": noise}),
             start_uniform(count, side, rng),
-            dt_s=1.0,
-            steps=steps,
+            Schedule(1.0, steps, every=10),
             rng=rng,
             space=Space("periodic", side),
             speeds_m_s=0.03,
-            every=10,
         )
         found.append(formation.polarization(history.headings_w)[-steps // 20 :].mean())
     return np.array(found)
@@ -86,13 +84,10 @@ class TestVicsek:
         history = simulate(
             Band(lawentry.load("vicsek"), 400, {"noise_rad": 0.1}),
             start_uniform(400, 10.0, rng),
-            dt_s=1.0,
-            steps=600,
+            Schedule(1.0, 600, every=600, synchronous=False),
             rng=rng,
             space=Space("periodic", 10.0),
             speeds_m_s=0.03,
-            every=600,
-            synchronous=False,
         )
         assert formation.polarization(history.headings_w)[-1] > 0.95
 
@@ -109,11 +104,9 @@ def cosines(count: int, informed: int, seeds: int = 24) -> Floats:
         history = simulate(
             Band(law, count, goals_w=goals),
             start_uniform(count, 1.5 * math.sqrt(count), rng),
-            dt_s=law.herd.dt_s,
-            steps=600,
+            Schedule(law.herd.dt_s, 600, every=50),
             rng=rng,
             speeds_m_s=law.herd.speed_m_s,
-            every=50,
         )
         x, y = (history.positions_w[-1] - history.positions_w[-6]).mean(axis=0)
         found.append(math.cos(math.atan2(y, x) - preferred))
@@ -176,7 +169,7 @@ def cluster(count: int, gap_m: float, rng: np.random.Generator) -> Floats:
 def flock(name: str, places: Floats, velocities: Floats, steps: int, dt: float, **more: Any) -> History:
     band = Band(lawentry.load(name), len(places), more.pop("given", {}))
     return simulate(
-        band, poses(places), dt_s=dt, steps=steps, rng=np.random.default_rng(0), velocities_w=velocities, **more
+        band, poses(places), Schedule(dt, steps), rng=np.random.default_rng(0), velocities_w=velocities, **more
     )
 
 
@@ -236,8 +229,7 @@ class TestEnergy:
         history = simulate(
             band,
             poses(cluster(count, 8.0, rng)),
-            dt_s=0.02,
-            steps=6000,
+            Schedule(0.02, 6000),
             rng=rng,
             velocities_w=velocities,
         )
@@ -290,7 +282,7 @@ class TestJadbabaie:
     def test_headings_converge_while_the_graph_is_connected(self) -> None:
         band = Band(lawentry.load("jadbabaie"), 16, {"g": 20.0, "speed_m_s": 0.001})
         history = simulate(
-            band, self.START, dt_s=1.0, steps=1500, rng=np.random.default_rng(0), speeds_m_s=0.001, every=10
+            band, self.START, Schedule(1.0, 1500, every=10), rng=np.random.default_rng(0), speeds_m_s=0.001
         )
         assert linked(history, 1.0).all()
         spread = np.ptp(history.headings_w, axis=1)
@@ -302,9 +294,7 @@ class TestJadbabaie:
     def test_of_groups_that_are_not_linked_each_converges_to_its_own(self) -> None:
         start = np.vstack([self.START, self.START + np.array([1000.0, 0.0, 0.9])])
         band = Band(lawentry.load("jadbabaie"), 32, {"g": 20.0, "speed_m_s": 0.001})
-        history = simulate(
-            band, start, dt_s=1.0, steps=1500, rng=np.random.default_rng(0), speeds_m_s=0.001, every=1500
-        )
+        history = simulate(band, start, Schedule(1.0, 1500, every=1500), rng=np.random.default_rng(0), speeds_m_s=0.001)
         ends = history.headings_w[-1]
         assert np.ptp(ends[:16]) < 0.01
         assert np.ptp(ends[16:]) < 0.01
@@ -319,12 +309,9 @@ class TestJadbabaie:
         history = simulate(
             [Band(law, 2, given, role=1), Band(law, 14, given)],
             start,
-            dt_s=1.0,
-            steps=800,
+            Schedule(1.0, 800, every=10, synchronous=synchronous),
             rng=np.random.default_rng(0),
             speeds_m_s=0.001,
-            every=10,
-            synchronous=synchronous,
         )
         assert linked(history, 1.0).all()
         off = np.abs(history.headings_w - 0.6).max(axis=1)

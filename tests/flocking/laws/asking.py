@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from flocking import lawentry
-from flocking.kinematic.herd import Band, History, Space, simulate
+from flocking.kinematic.herd import Band, History, Schedule, Space, simulate
 from flocking.selection import parse_sets, resolved, select
 from flocking.types import Floats, Members, Motion, Obstacles, Own
 
@@ -76,10 +76,8 @@ def run(
     return simulate(
         Band(lawentry.load(name), len(poses), given or {}, **band),
         poses,
-        dt_s=dt,
-        steps=steps,
+        Schedule(dt, steps, every),
         rng=np.random.default_rng(seed),
         space=space,
         speeds_m_s=speed,
-        every=every,
     )

@@ -11,7 +11,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from flocking import lawentry, selection
-from flocking.kinematic import Band, History, Space, simulate, start_uniform
+from flocking.kinematic import Band, History, Schedule, Space, simulate, start_uniform
 from flocking.measures import formation
 from flocking.types import NO_OBSTACLES, Floats, Kind, Members, Motion, Own
 
@@ -75,7 +75,7 @@ def herd(
 ) -> History:
     band = Band(lawentry.load(name), len(starts), parameters, selection=selection_text, goals_w=goals)
     rng = np.random.default_rng([seed, 1])
-    return simulate(band, starts, dt_s=dt, steps=steps, rng=rng, speeds_m_s=speed, space=space)
+    return simulate(band, starts, Schedule(dt, steps), rng=rng, speeds_m_s=speed, space=space)
 
 
 def square(count: int, side: float, seed: int) -> Floats:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from flocking import lawentry
-from flocking.kinematic import Band, simulate, start_uniform
+from flocking.kinematic import Band, Schedule, simulate, start_uniform
 from flocking.laws.hamilton_merging import nearest_group, number_groups
 from flocking.types import NO_OBSTACLES, Kind, Motion, Own, members_at
 
@@ -75,7 +75,7 @@ def test_a_herd_ends_as_one_group_where_the_model_without_merging_leaves_many() 
     groups = {}
     for name in ("hamilton-2d", "hamilton-merging"):
         band = Band(lawentry.load(name), 40)
-        end = simulate(band, starts, dt_s=1.0, steps=150, rng=np.random.default_rng(0), every=150).positions_w[-1]
+        end = simulate(band, starts, Schedule(1.0, 150, every=150), rng=np.random.default_rng(0)).positions_w[-1]
         numbers = np.empty(39, np.int64)
         groups[name] = number_groups(end[1:] - end[0], np.ones(39, dtype=bool), 3.0, numbers)
     assert groups["hamilton-merging"] == 1

@@ -7,7 +7,7 @@ from time import perf_counter
 
 import numpy as np
 
-from flocking.kinematic import History, LawFailedError, simulate
+from flocking.kinematic import History, LawFailedError, Progress, Schedule, simulate
 from flocking.types import Floats
 from trials.simulations import watch
 from trials.simulations.kinematic import fields, links
@@ -50,23 +50,19 @@ def run_trial(trial: Trial, scans: str = "none", reraise: bool = False) -> Trial
 
 
 def simulated(trial: Trial, herd: Herd, every: int) -> History:
-    """The way of a trial's herd, of which every so many steps are kept. Raises `LawFailedError`."""
-    import flocking.kinematic.kernel  # noqa: F401 (compiles it, where no watch is on)
+    """The history of a trial's herd; one step in `every` is kept. Raises `LawFailedError`."""
+    import flocking.kinematic.kernel  # noqa: F401 (its import compiles it: here, since no watch is on yet)
 
     with watch.watched():
         return simulate(
             herd.bands,
             herd.poses_w,
-            dt_s=herd.fields.timestep_s,
-            steps=herd.fields.steps,
+            Schedule(herd.fields.timestep_s, herd.fields.steps, every, herd.fields.synchronous),
             rng=stream(trial.seed, trial.repeat, 1, 0, Purpose.LAW),
             space=herd.space,
             speeds_m_s=herd.speeds,
-            synchronous=herd.fields.synchronous,
-            every=every,
             graph=herd.graph,
-            said=watch.breathe,
-            turn=watch.turn,
+            progress=Progress(watch.breathe, watch.turn),
         )
 
 

@@ -13,7 +13,7 @@ import pytest
 
 from flocking import lawentry
 from flocking.errors import InputError
-from flocking.kinematic import Band, simulate
+from flocking.kinematic import Band, Schedule, simulate
 from flocking.measures.links import link_lengths, link_outcomes, link_tension, links_within
 from trials import design
 from trials.batch.store import Row
@@ -111,7 +111,7 @@ def _pair(damper: float, dt: float, seconds: float, speed: float, length: float)
     poses = np.array([[0.0, 0.0, 0.0], [0.6 * length, 0.8 * length, 0.0]])
     velocities = np.array([[0.1, 0.2], [0.1 + 0.6 * speed, 0.2 + 0.8 * speed]])
     history = simulate(
-        band, poses, dt_s=dt, steps=round(seconds / dt), rng=np.random.default_rng(0), velocities_w=velocities
+        band, poses, Schedule(dt, round(seconds / dt)), rng=np.random.default_rng(0), velocities_w=velocities
     )
     return history.positions_w, history.velocities_w
 
@@ -155,7 +155,7 @@ def test_stiffness_is_the_slope_of_a_pair_at_rest(name: str) -> None:
     pulls = []
     for length in (rest * (1.0 + 1e-4), rest * (1.0 - 1e-4)):
         poses = np.array([[0.0, 0.0, 0.0], [length, 0.0, 0.0]])
-        history = simulate(Band(law, 2), poses, dt_s=dt, steps=1, rng=np.random.default_rng(0))
+        history = simulate(Band(law, 2), poses, Schedule(dt, 1), rng=np.random.default_rng(0))
         pulls.append(history.velocities_w[1, 0, 0] / dt)
     slope = (pulls[0] - pulls[1]) / (2e-4 * rest)
     assert linked.stiffness is not None
