@@ -82,7 +82,7 @@ def test_a_run_leaves_all_that_is_needed_to_run_it_again(run: Path) -> None:
     assert [path.name for path in (run / "recordings").iterdir()] == ["0001.rrd"]
     assert (run / "report.html").is_file()
     with sqlite3.connect(run / "results.sqlite") as connection:
-        assert connection.execute("PRAGMA user_version").fetchone() == (1,)
+        assert connection.execute("PRAGMA user_version").fetchone() == (2,)
         assert connection.execute("PRAGMA journal_mode").fetchone() == ("delete",)
         assert connection.execute("SELECT count(*) FROM timing").fetchone() == (3,)
 
