@@ -10,6 +10,7 @@ from __future__ import annotations
 import importlib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple, Protocol
 
@@ -110,10 +111,11 @@ class Body:
         return self.mounts[sensor]
 
 
-def names() -> list[str]:
+@cache
+def names() -> tuple[str, ...]:
     """Of all bodies, with hyphens: the folders of `robots` whose package holds a `BODY`."""
     folders = sorted(path.parent.name for path in HOME.glob("*/__init__.py"))
-    return [folder.replace("_", "-") for folder in folders if hasattr(package(folder), "BODY")]
+    return tuple(folder.replace("_", "-") for folder in folders if hasattr(package(folder), "BODY"))
 
 
 def load(name: str) -> Body:

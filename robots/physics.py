@@ -1,11 +1,12 @@
-"""What every world with robots in it shares: the solver's options, and robots without their looks, for stepping."""
+"""What every world with robots in it shares: the solver's options, and the parts of a robot that physics needs."""
 
 from __future__ import annotations
 
 import mujoco
 
 TIMESTEP = 0.01
-"""s. Chosen by evidence: tests/trials/test_timestep.py holds motion and odometry against half of it."""
+"""s. Chosen by evidence: tests/trials/simulations/robots/test_timestep.py holds motion, odometry and scans against
+those at half of it."""
 
 GRAVITY = 9.81
 """m/s²."""
@@ -17,11 +18,12 @@ HULL_MASK = 2
 
 
 def apply_options(spec: mujoco.MjSpec, timestep_s: float = TIMESTEP) -> None:
-    """Set the solver's options of a world in which robots drive.
+    """Sets the solver's options of a world in which robots drive.
 
     Newton's solver with a pyramidal cone. The integrator is the semi-implicit Euler one, which takes the wheels'
     servos explicitly: MuJoCo's implicit ones correct velocities after the contacts are solved, and tyres then
-    slip by centimetres a second on every ramp. It asks for gain × time step < 2 × a free wheel's inertia (22 ms).
+    slip by centimetres a second on every ramp. Euler's integrator is stable while gain × time step < 2 × the inertia
+    of a free wheel, which holds for time steps below 22 ms.
     Mid-phase and multi-contact convex collision are of no use to spheres, planes and boxes.
     """
     spec.nuser_geom = 2  # reflectance: diffuse, retroreflective
@@ -35,11 +37,11 @@ def apply_options(spec: mujoco.MjSpec, timestep_s: float = TIMESTEP) -> None:
 
 
 def bare(robot: mujoco.MjSpec) -> mujoco.MjSpec:
-    """`robot` as physics needs it: without geoms that touch nothing, without lights, and without sites that nothing
-    refers to.
+    """A copy of `robot` with what physics needs: without lights, without geoms that touch nothing, and without sites to
+    which nothing refers.
 
-    Bodies, joints and actuators stay as they are and keep their order; masses and inertias are those that MuJoCo
-    compiles for the whole robot, written down. So it moves as the whole one does, bit for bit, in 5 % less time.
+    Bodies, joints and actuators stay as they are and keep their order. Masses and inertias are given as numbers, those
+    that MuJoCo compiles for the whole robot: so the copy moves as the whole robot does, bit for bit, in 5 % less time.
     """
     whole, stripped = robot.compile(), robot.copy()
     for body in stripped.bodies[1:]:

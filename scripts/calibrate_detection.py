@@ -1,15 +1,15 @@
-"""Chooses the thresholds of the detection pipelines on scenes of their own, not on the experiment's.
+"""Chooses the thresholds of the detection pipelines on random scenes, which are not those of the experiment.
 
     python -m scripts.calibrate_detection [--models 300] [--scans 10] [--seed 20151] [--setting datasheet]
 
-A scene is a rectangular room, the focal Create anywhere in it, and at random places Creates, boxes (sides 0.05 to
-1 m) and posts (radius 0.03 to 0.5 m, members' own radius included), which hide one another as it happens. The laser
-is at its data-sheet setting unless another is named.
+A scene is a rectangular room with the focal Create, other Creates, boxes (sides 0.05 to 1 m) and posts (radius 0.03 to
+0.5 m, which includes the radius of a Create), all at random places, so that some hide others. The laser is at its
+data-sheet setting unless another is named.
 
 Criterion for the splitting distance and the warping threshold: Youden's index, the share of members detected minus
-the share of other objects taken for one. A member counts if at least half of the beams that would fall on it alone
+the share of other objects taken for members. A member counts if at least half of the beams that would fall on it alone
 do; another object counts if any beam falls on it; the walls of a room are one object a scan. An object is taken for
-a member if any segment is accepted most of whose beams are its own. Criterion for the intensity threshold: the same
+a member if any segment is accepted of which most beams fell on it. Criterion for the intensity threshold: the same
 index over single readings.
 """
 
@@ -50,7 +50,7 @@ BANDS_M = (0.0, 0.5, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0)
 
 
 class Scene(NamedTuple):
-    """A model with all that can be moved in it."""
+    """A room with objects that can be placed anew."""
 
     model: mujoco.MjModel
     data: mujoco.MjData
@@ -68,7 +68,7 @@ class Outcomes(NamedTuple):
     distances: Floats
     """(O,) m from laser to centre; nan for walls."""
     shares: Floats
-    """(O,) of the beams that would fall on it alone; nan where it is no member."""
+    """(O,) of the beams that would fall on it if nothing hid it, the share that does; nan where it is no member."""
     costs: Floats
     """(O, forms, splits) m, least warping cost of its segments."""
 
@@ -112,7 +112,7 @@ def build(rng: np.random.Generator, setting: str) -> Scene:
 
 
 def place(scene: Scene, rng: np.random.Generator) -> Floats:
-    """Puts everything at random, nothing overlapping; what finds no place stands far outside. Returns (1 + O, 2)."""
+    """Places all at random without overlaps, what finds no place far outside. Returns places (1 + OBJECTS, 2), m."""
     half = np.array(scene.room)
     places = np.full((len(scene.radii), 2), np.nan)
     for k, radius in enumerate(scene.radii):

@@ -2,8 +2,8 @@
 
     python -m scripts.formations
 
-Figure 2.5 of Fine 2015 draws three formations without numbers; these are ours (worlds/formations.py), as repeats 1 to 3
-of seed 1 start.
+Figure 2.5 of Fine 2015 draws three formations without numbers. The picture shows the project's own versions of them
+(worlds/formations.py), with which repeats 1 to 3 of seed 1 start.
 """
 
 from __future__ import annotations

@@ -2,8 +2,8 @@
 
     python -m scripts.outcomes runs/detection-case-study/001 runs/detection-case-study/002 …
 
-One column for each arm of each run, in the order given; the first run is the reference. Numbers come from
-`herd report`, never from here.
+One column for each arm of each run, in the order given; the first run is the reference. All numbers are
+those of `herd report`.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ BEGIN, END = "<!-- outcomes: begin", "<!-- outcomes: end -->"
 
 
 def main(folders: Sequence[str]) -> None:
-    """Replaces what stands between the page's marks."""
+    """Replaces the text between the marks of the page."""
     columns: dict[str, list[dict[str, object]]] = {}
     commands = []
     for folder in folders:

@@ -1,8 +1,8 @@
-"""The picture on the README's first screen: six robots in the corridor, made from a trial that it runs itself.
+"""Draws the picture at the top of the README: six robots in the corridor, from a trial that the script runs.
 
     python -m scripts.picture [--out docs/herd.png] [--trial 43] [--at TIME]
 
-Shown at one moment: robots with their headings and the way behind them, the latest scan of each coloured by
+It shows one moment: robots with their headings and the path behind them, the latest scan of each coloured by
 intensity, the inputs that one focal member got from its detection, its way-point, and the rule that chose it.
 Without --at, the moment is chosen: all robots near one another, many of them detected, a HA way-point.
 """
@@ -47,7 +47,7 @@ def main() -> None:
 
 
 def moment(result: TrialResult) -> tuple[int, float]:
-    """A focal member and a time (s) worth a look: a HA way-point, many members detected, all near and moving."""
+    """The focal member and the time (s) to show: a HA way-point, many members detected, all near and moving."""
     updates = result.updates
     sample = np.clip(np.searchsorted(result.times, updates.times) - 1, 0, len(result.times) - 1)
     positions = result.poses_w[sample, :, :2]
@@ -63,7 +63,7 @@ def moment(result: TrialResult) -> tuple[int, float]:
 
 
 def draw(result: TrialResult, focal: int, time: float, path: Path) -> None:
-    """Writes the plan view of the herd at a time (s) as a picture."""
+    """Writes a picture of the herd from above at a time (s)."""
     import matplotlib
 
     matplotlib.use("Agg")
@@ -138,7 +138,7 @@ def _draw_robot(axes: Any, result: TrialResult, k: int, sample: int, colour: str
 
 
 def _draw_decision(axes: Any, result: TrialResult, focal: int, time: float) -> str:
-    """Inputs and way-point of the focal member's latest update; the rule that spoke, in words."""
+    """Draws inputs and way-point of the focal member's latest update; returns its rule in words."""
     updates = result.updates
     mine = np.flatnonzero((updates.robots == focal) & (updates.times <= time + 1e-9))
     if len(mine) == 0:

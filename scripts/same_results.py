@@ -1,26 +1,30 @@
-"""Holds a restructured version of the project against the one before: the same commands, the same results, bit for bit.
+"""Compares two versions of the project: whether the same commands give the same results, bit for bit.
 
-    python -m scripts.same_results keep BEFORE      in the old version: runs every experiment, small, with two seeds
+    python -m scripts.same_results keep BEFORE      in the old version: runs every experiment, one repeat, two seeds
     python -m scripts.same_results keep AFTER       in the new version
     python -m scripts.same_results compare BEFORE AFTER
+    python -m scripts.same_results sample FILE      writes the first moments of a few trials, with which a test compares
 
-`keep` runs the `herd` command that is installed beside the Python which runs it, so that one copy of this file serves
-any version. `compare` reads what those commands wrote: what `herd show` says (but for the words of sources), each row
-of the results, each array of the series, and each column of one recording, with its scans. Equal bits are to be
-expected on one type of processor only.
+`keep` runs the `herd` command that is installed with the Python that runs this file, so that one copy of the file
+serves any version. `compare` reads what those commands wrote: the lines of `herd show` (without the texts of sources),
+each row of the results, each array of the series, and each column of one recording, with its scans. Equal bits can be
+expected only on processors of the same type.
 """
 
 from __future__ import annotations
 
 import argparse
+import hashlib
 import io
 import json
+import platform
 import re
 import sqlite3
 import subprocess
 import sys
 import zipfile
 from collections.abc import Iterator
+from importlib import metadata
 from pathlib import Path
 from typing import Any
 
@@ -28,16 +32,23 @@ import numpy as np
 
 SMALLER: dict[str, tuple[str, ...]] = {"vicsek-transition": ("--set", "steps=100")}
 """Options of experiments that would take long at their own settings."""
+SAMPLES: tuple[tuple[str, dict[str, Any], int], ...] = (
+    ("detection-case-study", {"duration_s": 2.0}, 2),
+    ("information-abstraction-robots", {"duration_s": 2.0}, 30),
+    ("lch-table-4-1", {"steps": 10}, 1),
+    ("couzin-leaders", {"steps": 20}, 5),
+)
+"""Experiment, settings and trial of each sample."""
 SEEDS = (1, 2)
 ADDED = "added:"
-"""Before what only the new version has, which is told, and is no difference."""
+"""Begins a line on what only the new version has: it is printed, but is no difference."""
 NOT_COMPARED = frozenset({"trial", "format"})
-"""Of a series' head: the trial as its version writes it down, and the version of the format."""
+"""Parts of a series' head that depend on the version: how it writes the trial, and its format."""
 _COLUMN_GAP = re.compile(r"\s{2,}")
 
 
 def herd(*words: str) -> str:
-    """What the command prints; its lines on the way are left on stderr."""
+    """Runs the command and returns what it prints on stdout."""
     command = [str(Path(sys.executable).with_name("herd")), *words]
     ended = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=False)
     if ended.returncode not in (0, 1):
@@ -62,7 +73,9 @@ def keep(folder: Path, experiments: list[str], seeds: list[int]) -> None:
 
 def compare(before: Path, after: Path) -> list[str]:
     """The differences, a line each."""
-    found: list[str] = []
+    if not before.is_dir() or not any(before.iterdir()):
+        raise SystemExit(f"{before} holds no results: make them with keep")
+    found = [f"{ADDED} {path.name}" for path in sorted(after.iterdir()) if not (before / path.name).exists()]
     for own in sorted(path for path in before.iterdir() if path.is_dir()):
         other = after / own.name
         if not other.is_dir():
@@ -77,6 +90,33 @@ def compare(before: Path, after: Path) -> list[str]:
     return found
 
 
+def sample() -> dict[str, Any]:
+    """Measures of the first moments of a few trials, the hashes of their series, and what they were made with."""
+    from trials.design import plan
+    from trials.simulations import run_trial
+
+    found: dict[str, Any] = {}
+    for name, settings, index in SAMPLES:
+        result = run_trial(plan(name, settings=settings).trials[index - 1])
+        arrays: dict[str, Any] = {"times": result.times, "poses_w": result.poses_w, "odometry": result.odometry}
+        arrays |= {"bumpers": result.bumpers, "contacts": result.contacts.points_w}
+        arrays |= {f"updates.{key}": array for key, array in vars(result.updates).items()}
+        hashes = {
+            name: hashlib.sha256(np.ascontiguousarray(array).tobytes()).hexdigest() for name, array in arrays.items()
+        }
+        measures = {name: value for name, value in result.measures.items() if np.isfinite(value)}
+        found[f"{name}, trial {index}"] = {"measures": measures, "hashes": hashes}
+    return {"made with": made_with(), "trials": found}
+
+
+def made_with() -> dict[str, str]:
+    """What equal bits depend on: the processor's type and the versions of what computes."""
+    lines = Path("/proc/cpuinfo").read_text().splitlines() if Path("/proc/cpuinfo").exists() else []
+    cpu = {line.partition(":")[2].strip() for line in lines if line.startswith("model name")}
+    versions = {name: metadata.version(name) for name in ("mujoco", "numba", "numpy", "scipy")}
+    return {"cpu": ", ".join(sorted(cpu)), "python": platform.python_version(), **versions}
+
+
 def _unequal(where: str, before: dict[Any, Any], after: dict[Any, Any]) -> list[str]:
     lines = [f"{ADDED} {where} {key}" for key in after.keys() - before.keys()]
     lines += [f"{where} {key}: gone" for key in before.keys() - after.keys()]
@@ -87,9 +127,9 @@ def _unequal(where: str, before: dict[Any, Any], after: dict[Any, Any]) -> list[
 
 
 def _shown(path: Path) -> dict[Any, Any]:
-    """What `herd show` says by key: values, units, published or chosen; constants by their last name; all else as is.
+    """The lines of `herd show`: of a key its value, unit, and whether published; of a constant its last name and value.
 
-    The words of sources, the last column, are left out.
+    The texts of sources, the last column, are left out.
     """
     found: dict[Any, Any] = {}
     kind = ""
@@ -114,7 +154,7 @@ def _rows(run: Path) -> Iterator[tuple[int, tuple[Any, ...]]]:
 
 
 def _series(run: Path) -> dict[Any, Any]:
-    """Every array of every trial, as type, shape and bytes; and what else its file holds."""
+    """Every array of every trial, as type, shape and bytes, and the other entries of its file."""
     found: dict[Any, Any] = {}
     for path in sorted((run / "series").glob("*.npz")):
         with zipfile.ZipFile(path) as archive:
@@ -130,7 +170,7 @@ def _series(run: Path) -> dict[Any, Any]:
 
 
 def _recordings(run: Path) -> dict[Any, Any]:
-    """Every column of what was recorded, by entity; the trial in words is told by its version."""
+    """Every column of the recordings, by entity, without the trial in words, which depends on the version."""
     from rerun.chunk import RrdReader
 
     found: dict[Any, list[Any]] = {}
@@ -146,7 +186,7 @@ def _recordings(run: Path) -> dict[Any, Any]:
 
 
 def main() -> int:
-    """The command: 0 the same, 1 differences; it prints them, and what was added."""
+    """The command: exit code 0 if the results are the same, 1 if not; prints the differences and what was added."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     ways = parser.add_subparsers(dest="way", required=True)
     keeping = ways.add_parser("keep", help="run every experiment, small")
@@ -156,7 +196,12 @@ def main() -> int:
     comparing = ways.add_parser("compare", help="hold what was kept by two versions side by side")
     comparing.add_argument("before", type=Path)
     comparing.add_argument("after", type=Path)
+    sampling = ways.add_parser("sample", help="the first moments of a few trials")
+    sampling.add_argument("file", type=Path)
     given = parser.parse_args()
+    if given.way == "sample":
+        given.file.write_text(json.dumps(sample(), indent=1) + "\n", encoding="utf-8")
+        return 0
     if given.way == "keep":
         keep(given.folder, given.experiments, given.seeds)
         return 0

@@ -2,7 +2,7 @@
 
     python -m scripts.study_outcomes runs/lch-table-4-1/001 runs/lch-robots/001 …
 
-One table a run, in the order given; all runs are of one study. Numbers come from `herd report`, never from here.
+One table for each run, in the order given; all runs are of one study. All numbers are those of `herd report`.
 """
 
 from __future__ import annotations
@@ -24,11 +24,11 @@ from trials.simulations import measures_of
 DOCS = Path(__file__).parents[1] / "docs"
 BEGIN, END = "<!-- outcomes: begin", "<!-- outcomes: end -->"
 MOST_ROWS = 60
-"""Entries of a run that the page shows; the report has them all."""
+"""Entries of a run that the page shows; the report shows all."""
 
 
 def main(folders: Sequence[str]) -> None:
-    """Replaces what stands between the marks of the page of the runs' study."""
+    """Replaces the text between the marks of the page of the runs' study."""
     page = _page(folders)
     parts = [
         "## Outcomes",

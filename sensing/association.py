@@ -25,7 +25,7 @@ Metres, seconds, radians; body frame.
 from __future__ import annotations
 
 import math
-from typing import Annotated, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
@@ -79,6 +79,26 @@ class Bodies(NamedTuple):
     """(B,) s since it was seen, at the last detection."""
 
 
+class Limits(NamedTuple):
+    """The numbers of `Parameters` as compiled code takes them."""
+
+    top_speed_m_s: float
+    gate_m: float
+    smoothing_s: float
+    """0 = not smoothed."""
+    moving_m_s: float
+    memory_s: float
+
+
+class Way(NamedTuple):
+    """From the last detection to this one: what the remembered bodies have to be moved by."""
+
+    elapsed: float
+    """s."""
+    moved: Floats
+    """(3,) the present pose in the frame of the one before: x, y (m), heading (rad)."""
+
+
 def _nobody() -> Bodies:
     return Bodies(np.empty((0, 2)), np.empty((0, 2)), np.empty(0), np.empty(0))
 
@@ -93,7 +113,17 @@ class Association:
         self.parameters = parameters
         self._assign = linear_sum_assignment
         self._needs_velocities, self._needs_headings = "velocities" in needs, "headings" in needs
-        self._smoothing_s = parameters.smoothing_s if parameters.smoothing == "exponential" else 0.0
+        smoothing_s = parameters.smoothing_s if parameters.smoothing == "exponential" else 0.0
+        # plain tuples, here and below: from Python a named tuple takes Numba longer
+        self._limits = tuple(
+            Limits(
+                float(parameters.top_speed_m_s),
+                float(parameters.gate_m),
+                float(smoothing_s),
+                float(parameters.moving_m_s),
+                float(parameters.memory_s),
+            )
+        )
         self._bodies = _nobody()
         self._time, self._pose = -math.inf, np.zeros(3)
         self._last: tuple[Floats, Floats] = np.empty((0, 2)), np.empty(0)
@@ -118,26 +148,12 @@ class Association:
 
     def _updated(self, positions: Floats, time: float, moved: Floats) -> tuple[Floats, Floats]:
         """Velocities (M, 2) and headings (M,) of the inputs at `positions` (M, 2)."""
-        about = self.parameters
-        labels, centres = _grouped(positions, about.same_body_m)
-        bodies = self._bodies
-        elapsed = min(time - self._time, 1e9)
-        predicted, costs = _costs(bodies, moved, elapsed, about.top_speed_m_s, about.gate_m, centres)
+        labels, centres = _grouped(positions, self.parameters.same_body_m)
+        bodies, way = tuple(self._bodies), (float(min(time - self._time, 1e9)), moved)
+        stood, costs = _costs(self._limits, bodies, way, centres)
         old, new = self._assign(costs)
-        self._bodies = _followed(
-            bodies,
-            moved,
-            elapsed,
-            predicted,
-            centres,
-            costs,
-            old.astype(np.int64),
-            new.astype(np.int64),
-            about.top_speed_m_s,
-            self._smoothing_s,
-            about.moving_m_s,
-            about.memory_s,
-        )
+        pairs = old.astype(np.int64), new.astype(np.int64)
+        self._bodies = _followed(self._limits, bodies, way, stood, centres, costs, pairs)
         return self._bodies.velocities[labels], self._bodies.headings[labels]
 
 
@@ -184,9 +200,14 @@ def _grouped(positions: Floats, gap: float) -> tuple[Ints, Floats]:
 
 @compiled
 def _costs(
-    bodies: Bodies, moved: Floats, elapsed: float, top_speed: float, gate: float, centres: Floats
+    limits: tuple[float, ...], remembered: tuple[Any, ...], way: tuple[float, Floats], centres: Floats
 ) -> tuple[Floats, Floats]:
-    """The bodies' places (B, 2) if they stood still, in the present frame; the distance (B, C) of each pair."""
+    """The bodies' places (B, 2) if they stood still, in the present frame; the distance (B, C) of each pair.
+
+    Takes the fields of `Limits`, `Bodies` and `Way`.
+    """
+    about, bodies = Limits(*limits), Bodies(*remembered)
+    elapsed, moved = way
     count = len(bodies.positions)
     stood, costs = np.empty((count, 2)), np.empty((count, len(centres)))
     c, s = math.cos(moved[2]), math.sin(moved[2])
@@ -198,7 +219,7 @@ def _costs(
             vx, vy = bodies.velocities[b, 0], bodies.velocities[b, 1]
             x += (c * vx + s * vy) * (elapsed + bodies.ages[b])
             y += (c * vy - s * vx) * (elapsed + bodies.ages[b])
-        reach = gate + top_speed * (elapsed + bodies.ages[b])
+        reach = about.gate_m + about.top_speed_m_s * (elapsed + bodies.ages[b])
         for k in range(len(centres)):
             distance = math.hypot(centres[k, 0] - x, centres[k, 1] - y)
             costs[b, k] = distance if distance <= reach else NO_PAIR
@@ -207,30 +228,29 @@ def _costs(
 
 @compiled
 def _followed(
-    bodies: Bodies,
-    moved: Floats,
-    elapsed: float,
+    limits: tuple[float, ...],
+    remembered: tuple[Any, ...],
+    way: tuple[float, Floats],
     stood: Floats,
     centres: Floats,
     costs: Floats,
-    old: Ints,
-    new: Ints,
-    top_speed: float,
-    smoothing: float,
-    moving: float,
-    memory: float,
+    pairs: tuple[Ints, Ints],
 ) -> Bodies:
     """The bodies to remember: first those at `centres`, then those out of sight that are not forgotten yet.
 
-    `old`, `new`: rows of `bodies` and of `centres` that were paired; pairs at `NO_PAIR` are none.
+    Takes the fields of `Limits`, `Bodies` and `Way`. `pairs`: rows of the bodies and of `centres` that were paired;
+    pairs at `NO_PAIR` are none.
     """
+    about, bodies = Limits(*limits), Bodies(*remembered)
+    elapsed, moved = way
+    old, new = pairs
     count, seen = len(bodies.positions), len(centres)
     paired = np.zeros(count, np.bool_)
     for k in range(len(old)):
         paired[old[k]] = costs[old[k], new[k]] < NO_PAIR
     unseen = 0
     for b in range(count):
-        if not paired[b] and bodies.ages[b] + elapsed <= memory:
+        if not paired[b] and bodies.ages[b] + elapsed <= about.memory_s:
             unseen += 1
     positions, ages = np.empty((seen + unseen, 2)), np.zeros(seen + unseen)
     velocities, headings = np.full((seen + unseen, 2), np.nan), np.full(seen + unseen, np.nan)
@@ -242,21 +262,21 @@ def _followed(
             continue
         time = elapsed + bodies.ages[b]
         x, y = (centres[row, 0] - stood[b, 0]) / time, (centres[row, 1] - stood[b, 1]) / time
-        share = min(1.0, top_speed / max(math.hypot(x, y), TINY))
+        share = min(1.0, about.top_speed_m_s / max(math.hypot(x, y), TINY))
         x, y = share * x, share * y
-        if smoothing > 0.0 and not math.isnan(bodies.velocities[b, 0]):
-            kept = math.exp(-time / smoothing)
+        if about.smoothing_s > 0.0 and not math.isnan(bodies.velocities[b, 0]):
+            kept = math.exp(-time / about.smoothing_s)
             vx, vy = bodies.velocities[b, 0], bodies.velocities[b, 1]
             x = (1.0 - kept) * x + kept * (c * vx + s * vy)
             y = (1.0 - kept) * y + kept * (c * vy - s * vx)
         velocities[row, 0], velocities[row, 1] = x, y
-        if math.hypot(x, y) > moving:
+        if math.hypot(x, y) > about.moving_m_s:
             headings[row] = math.atan2(y, x)
         else:
             headings[row] = wrap(bodies.headings[b] - moved[2])
     row = seen
     for b in range(count):
-        if paired[b] or bodies.ages[b] + elapsed > memory:
+        if paired[b] or bodies.ages[b] + elapsed > about.memory_s:
             continue
         vx, vy = bodies.velocities[b, 0], bodies.velocities[b, 1]
         velocities[row, 0], velocities[row, 1] = c * vx + s * vy, c * vy - s * vx

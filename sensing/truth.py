@@ -4,7 +4,8 @@ A member is HIDDEN while no beam falls on it, DETECTED if at least one input is 
 An input is owned by whoever made most of its beams; by nobody (a false positive) if most of them belong to nobody: to
 a wall, or to a reading between two surfaces. Beams likewise: `lit` fell on members, `missed` are those of them that
 made no input (those lost in the sensor, too), `made_up` made an input but belong to nobody. At an edge a reading can be
-a member's though the middle of its beam fell beside it; so lit and found beams are set off member by member.
+a member's though the middle of its beam fell beside it; so the beams that fell on a member and those that made inputs
+of it are compared for each member by itself.
 """
 
 from __future__ import annotations
@@ -42,29 +43,38 @@ def judge(detection: Detection, truth: ScanTruth | None, focal: int, robots: int
     ids: it knows everybody in its view, so nobody is missed, and no beam counts.
     """
     ids = detection.members.ids
+    owners, states = np.empty(len(ids), np.int16), np.empty(robots, np.int8)
     if truth is None or not len(detection.beams):
-        owners, states = _judge_ids(ids, focal, robots)
+        _judge_ids(ids, focal, owners, states)
         return Judgement(owners, states, 0, 0, 0)
-    return Judgement(*_judge(detection.beams, len(ids), truth.owners, truth.lit, focal))
+    return Judgement(owners, states, *_judge(detection.beams, truth.owners, truth.lit, focal, owners, states))
 
 
 @compiled
-def _judge_ids(ids: Ints, focal: int, robots: int) -> tuple[NDArray[np.int16], NDArray[np.int8]]:
-    owners, states = np.empty(len(ids), np.int16), np.full(robots, HIDDEN)
+def _judge_ids(ids: Ints, focal: int, owners: NDArray[np.int16], states: NDArray[np.int8]) -> None:
+    """Fill `owners` (M,) and `states` (N,) by the members' ids."""
+    states[:] = HIDDEN
     for row in range(len(ids)):
         owners[row] = ids[row]
-        if 0 <= ids[row] < robots and ids[row] != focal:
+        if 0 <= ids[row] < len(states) and ids[row] != focal:
             states[ids[row]] = DETECTED
-    return owners, states
 
 
 @compiled
 def _judge(
-    beams: Ints, inputs: int, beam_owners: Ints, lit: Ints, focal: int
-) -> tuple[NDArray[np.int16], NDArray[np.int8], int, int, int]:
-    robots = len(lit)
+    beams: Ints,
+    beam_owners: Ints,
+    lit: Ints,
+    focal: int,
+    owners: NDArray[np.int16],
+    states: NDArray[np.int8],
+) -> tuple[int, int, int]:
+    """Fill `owners` (M,) and `states` (N,) by the beams; return how many were lit, missed and made up."""
+    inputs, robots = len(owners), len(states)
     counts = np.zeros((inputs, robots + 1), np.int16)
-    most, owners = np.zeros(inputs, np.int16), np.full(inputs, NOBODY, np.int16)
+    most = np.zeros(inputs, np.int16)
+    owners[:] = NOBODY
+    states[:] = HIDDEN
     found, made_up = np.zeros(robots, np.int64), 0
     for beam in range(len(beams)):
         row = beams[beam]
@@ -82,7 +92,6 @@ def _judge(
         if count > most[row] or (count == most[row] and preferred):
             most[row] = count
             owners[row] = owner
-    states = np.full(robots, HIDDEN)
     all_lit, missed = 0, 0
     for robot in range(robots):
         if robot != focal and lit[robot] > 0:
@@ -92,4 +101,4 @@ def _judge(
     for row in range(inputs):
         if owners[row] >= 0 and owners[row] != focal:
             states[owners[row]] = DETECTED
-    return owners, states, all_lit, missed, made_up
+    return all_lit, missed, made_up

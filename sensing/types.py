@@ -20,8 +20,8 @@ class Scan(NamedTuple):
     ranges: Floats
     """(B,) m; inf = no return, −inf = too near, nan = error (REP 117)."""
     intensities: Floats
-    """(B,) relative to a white diffuse surface seen head-on at 1 m; nan = not given. All nan where no pipeline
-    reads it."""
+    """(B,) relative to a white diffuse surface seen head-on at 1 m; nan = not given. Where nobody reads them, scans
+    share one array of nan that cannot be written to."""
 
 
 class ScanTruth(NamedTuple):
@@ -30,7 +30,7 @@ class ScanTruth(NamedTuple):
     owners: Ints
     """(B,) index of the robot that made the reading; −1 = a wall, nothing, or a reading between two surfaces."""
     ranges: Floats
-    """(B,) exact distance along each beam without noise, m; inf = nothing in range."""
+    """(B,) exact distance along each beam without noise, m; inf = nothing in range. (0,) where nobody reads them."""
     lit: Ints
     """(N,) beams that fell on each robot (before drop-outs and mixing)."""
 

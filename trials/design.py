@@ -8,11 +8,11 @@ An experiment's file holds
 - `base(repeat) -> Trial`: the trial of that repeat before the conditions are put in;
 - optionally `cells(conditions) -> list[dict]`: the keys and values of each cell, where the design is not a full
   factorial of the conditions (its own, or those that the user put in their place);
-- optionally `finish(trial) -> Trial`: what follows from the conditions and the user's settings once they are put in;
-- optionally `SOURCES`: its own words on where a key's value comes from;
-- optionally `RECORD`: which trials are recorded where `herd run` is not told (`all`, unless it says otherwise);
+- optionally `finish(trial) -> Trial`: the trial completed once the conditions and the user's settings are put in;
+- optionally `SOURCES`: by key, where its value comes from, where that is not what the parameter declares;
+- optionally `RECORD`: which trials are recorded without `--record` (`all` by default);
 - optionally `KEY_MEASURES`: the measures that a first look at the report needs;
-- optionally `claims(run)` and `figures(run, folder)`: what `herd report` sets beside the publication.
+- optionally `claims(run)` and `figures(run, folder)`: the claims and figures of `herd report`.
 """
 
 from __future__ import annotations
@@ -48,10 +48,10 @@ class Plan:
     conditions: dict[str, list[Value]]
     """The experiment's own factors and their values."""
     sweep: dict[str, list[Value]]
-    """Factors that a sweep added: each combination of their values is an arm of its own."""
+    """Factors that a sweep added, and their values: each combination of these is an arm of its own."""
     repeats: int
     notes: list[str]
-    """What a user should know, one line each."""
+    """What a user should know of the plan, one line each."""
 
 
 def experiment_names() -> list[str]:
@@ -147,9 +147,9 @@ def plan(
 def _of_first_group(
     base: Trial, field: str, value: str, given: Mapping[str, Any], notes: dict[str, None]
 ) -> dict[str, Any]:
-    """What `--law`, `--pipeline` or `--body` sets: that of the first group, which is the herd.
+    """The setting made by `--law`, `--pipeline` or `--body`: a key of the first group, which is the herd.
 
-    Raises `InputError` where it is `given` as well, or where the trial has no such thing.
+    Raises `InputError` where that key is among those `given`, or where the trial has no such key.
     """
     first, *others = base.groups
     key, obstacles = f"{first.name}.{field}", f"{first.name}.obstacles"
@@ -166,7 +166,7 @@ def _of_first_group(
 
 
 def _parameters(module: ModuleType, trial: Trial, given: set[str]) -> list[Row]:
-    """Every parameter of a trial; those that the user set say so."""
+    """Every parameter of a trial; those in `given` are marked as set by the user."""
     sources = getattr(module, "SOURCES", {})
     usual = _usual(module.base(trial.repeat), trial)
     rows = keys.rows(trial, sources)
@@ -174,7 +174,7 @@ def _parameters(module: ModuleType, trial: Trial, given: set[str]) -> list[Row]:
 
 
 def _usual(base: Trial, trial: Trial) -> dict[str, Any]:
-    """The experiment's own value of each key; of another law's parameters those that it has by itself."""
+    """The experiment's own value of each key; of a law that is not the experiment's, its own values."""
     usual = {row.key: row.value for row in keys.rows(base)}
     groups = [
         own if own.law == other.law else dataclasses.replace(other, law_parameters={})
@@ -182,11 +182,6 @@ def _usual(base: Trial, trial: Trial) -> dict[str, Any]:
     ]
     others = keys.rows(dataclasses.replace(base, groups=tuple(groups)))
     return usual | {row.key: row.value for row in others if ".law." in row.key}
-
-
-def cell_of(trial: Trial) -> str:
-    """The conditions of a trial in a few words, for a line of progress."""
-    return ", ".join(f"{key.rsplit('.', 1)[-1]} {value}" for key, value in trial.conditions.items())
 
 
 def _cells(
@@ -251,4 +246,4 @@ def _spelled(trial: Trial) -> Trial:
     return dataclasses.replace(trial, experiment=trial.experiment.replace("_", "-"))
 
 
-__all__ = ["DEFAULT_SEED", "Plan", "cell_of", "experiment_names", "load", "plan", "title"]
+__all__ = ["DEFAULT_SEED", "Plan", "experiment_names", "load", "plan", "title"]

@@ -1,6 +1,6 @@
-"""Dotted keys: every number and name of a trial can be set by one, as in `herd.law.repulsion_m`.
+"""Dotted keys, as in `herd.law.repulsion_m`: every number and name of a trial can be set by its key.
 
-Which keys there are, each simulation declares (`Simulation.keys_of`); how they are put and listed is said here, once.
+Each simulation declares its keys (`Simulation.keys_of`); this module puts and lists those of all simulations.
 """
 
 from __future__ import annotations
@@ -10,21 +10,18 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from flocking import found, lawentry, selection
-from flocking.errors import unknown_name
+from flocking.errors import InputError, unknown_name
 from flocking.parameters import Parameter, checked, declared
 from trials import simulations
-from trials.rows import Row, Section, rows_of, told
+from trials.rows import OF_GROUP, OF_TRIAL, Row, Section, in_words, rows_of
 from trials.types import Group, Trial
 
 AVOIDS = "+"
-"""Behind a law's name: with the avoidance of obstacles that all laws share."""
-_OF_TRIAL = {"world.": "world_parameters", "formation.": "formation_parameters"}
-_OF_GROUP = {"law.": "law_parameters", "pipeline.": "pipeline_parameters", "spread.": "spread"}
-"""Where the values of a section are kept; those of all others are in the setup."""
+"""Behind a law's name, adds the avoidance of obstacles that all laws share."""
 
 
 def put(trial: Trial, key: str, value: Any) -> Trial:
-    """`trial` with one key set; the value is checked. Raises `InputError` naming the nearest keys."""
+    """`trial` with one key set to a value, which is checked. Raises `InputError`, with near keys for an unknown key."""
     first, _, rest = key.partition(".")
     number = next((g for g, group in enumerate(trial.groups) if rest and group.name == first), None)
     group = trial.groups[number] if number is not None else None
@@ -33,19 +30,21 @@ def put(trial: Trial, key: str, value: Any) -> Trial:
             continue
         value = checked(key, value, section.parameters[name])
         if group is None or number is None:
-            return _placed(trial, _OF_TRIAL, prefix, name, value)
+            return _placed(trial, OF_TRIAL, prefix, name, value)
+        if (prefix, name) == ("", "law") and value.endswith(AVOIDS) and not has(trial, f"{group.name}.obstacles"):
+            raise InputError(f"{key} = {value!r}: {trial.simulation} knows no avoidance of obstacles; expected no +")
         changed = _group_with(group, prefix, name, value)
         return dataclasses.replace(trial, groups=(*trial.groups[:number], changed, *trial.groups[number + 1 :]))
     raise unknown_name("parameter", key, _nearby(trial, group, key))
 
 
 def rows(trial: Trial, sources: Mapping[str, Parameter] | None = None) -> list[Row]:
-    """Every key of a trial with value, unit and source; `sources` are the experiment's own words for some."""
+    """Every key of a trial with value, unit and source; `sources`: those that the experiment itself gives, by key."""
     keys_of = simulations.of(trial).keys_of
     found_rows = [row for section in keys_of(trial) for row in rows_of(section)]
     for group in trial.groups:
         found_rows += [row for section in keys_of(trial, group) for row in rows_of(section, f"{group.name}.")]
-    return [told(row, (sources or {}).get(row.key)) for row in found_rows]
+    return [in_words(row, (sources or {}).get(row.key)) for row in found_rows]
 
 
 def has(trial: Trial, key: str) -> bool:
@@ -63,7 +62,7 @@ def _candidates(trial: Trial, group: Group | None, local: str) -> Iterator[tuple
 
 
 def _nearby(trial: Trial, group: Group | None, key: str) -> list[str]:
-    """The keys that may be meant: those of the key's own section, or all that are shown."""
+    """The keys that may be meant: those of the section that the key names, or all that are shown."""
     start = f"{group.name}." if group is not None else ""
     prefix = key.removeprefix(start).rpartition(".")[0]
     sections = simulations.of(trial).keys_of(trial, group) if prefix else []
@@ -72,7 +71,7 @@ def _nearby(trial: Trial, group: Group | None, key: str) -> list[str]:
 
 
 def _placed(kept: Any, places: Mapping[str, str], prefix: str, name: str, value: Any) -> Any:
-    """A trial or a group with one value more: in a field of that name, in its section's field or in the setup."""
+    """A trial or a group with one value set: in a field of that name, in the section's field or in the setup."""
     if not prefix and name in {field.name for field in dataclasses.fields(kept)}:
         return dataclasses.replace(kept, **{name: value})
     field, key = (places[prefix], name) if prefix in places else ("setup", f"{prefix}{name}")
@@ -81,7 +80,7 @@ def _placed(kept: Any, places: Mapping[str, str], prefix: str, name: str, value:
 
 def _group_with(group: Group, prefix: str, name: str, value: Any) -> Group:
     if prefix or name not in ("law", "pipeline", "selection"):
-        return _placed(group, _OF_GROUP, prefix, name, value)
+        return _placed(group, OF_GROUP, prefix, name, value)
     if name == "law":
         return _with_law(group, value)
     if name == "pipeline":

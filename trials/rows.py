@@ -1,8 +1,9 @@
-"""The dotted keys of a trial: families of declared parameters, and the lines of `herd show` about them."""
+"""The dotted keys of a trial: sections of declared parameters, and the lines of `herd show` about them."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 from flocking.parameters import Declared, Parameter, declared
@@ -12,13 +13,20 @@ class Section(NamedTuple):
     """Declared parameters that share a prefix of their keys."""
 
     prefix: str
-    """`world.` or empty; of a group's parameters without the group's name."""
+    """Empty, or as in `world.`; in a section of a group it lacks the group's name."""
     parameters: Mapping[str, Declared]
     values: Callable[[], Mapping[str, Any]]
-    """By name, the values that the trial will use, of the parameters that are shown. A parameter that is not among
-    them can be set all the same."""
+    """By name, the values that the trial will use of the parameters that are shown. Those that are not shown can be set
+    as well."""
     words: Mapping[str, Parameter] = {}
-    """By name, what is said of a value in place of its declaration's own source."""
+    """By name, the source to show for a value in place of the declared one."""
+
+
+OF_TRIAL: Mapping[str, str] = MappingProxyType({"world.": "world_parameters", "formation.": "formation_parameters"})
+OF_GROUP: Mapping[str, str] = MappingProxyType(
+    {"law.": "law_parameters", "pipeline.": "pipeline_parameters", "spread.": "spread"}
+)
+"""Prefixes whose values stand in a field of their own of a `Trial` or a `Group`; those of all others in its setup."""
 
 
 class Row(NamedTuple):
@@ -44,7 +52,7 @@ def below(setup: Mapping[str, Any], prefix: str) -> dict[str, Any]:
 
 
 def rows_of(section: Section, group: str = "") -> list[Row]:
-    """A row for each parameter of a section that is shown; `group`: what stands before its keys."""
+    """A row for each shown parameter of a section; `group`: put before each key, as in `herd.`."""
     values = section.values()
     found = []
     for name, parameter in section.parameters.items():
@@ -56,12 +64,12 @@ def rows_of(section: Section, group: str = "") -> list[Row]:
 
 
 def marked(row: Row, usual: Any) -> Row:
-    """A row whose value was set by the user: no longer what its source gives."""
+    """A row of a key that the user set: its source says so, unless the value is the usual one."""
     if row.value == usual:
         return row
     return row._replace(source=f"set here in place of {usual}", published=False)
 
 
-def told(row: Row, about: Parameter | None) -> Row:
-    """A row in the experiment's own words."""
+def in_words(row: Row, about: Parameter | None) -> Row:
+    """A row with the source that the experiment gives for it, if it gives one."""
     return row if about is None else row._replace(source=about.source, published=about.published)

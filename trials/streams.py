@@ -1,6 +1,6 @@
 """Streams of random numbers: one for each purpose of each member of each repeat.
 
-Two trials of the same repeat draw the same numbers, whatever their conditions: conditions compare in pairs.
+Two trials of the same repeat draw the same numbers whatever their conditions, so that conditions compare in pairs.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ import numpy as np
 
 
 class Purpose(IntEnum):
-    """What a stream is for. The numbers are part of the seed: never change one."""
+    """What a stream is used for. The numbers are part of the seed, so none may ever change."""
 
     START = 0
     PHASE = 1

@@ -17,35 +17,35 @@ Value = bool | int | float | str
 
 @dataclass(frozen=True)
 class Group:
-    """Members of one kind that run the same mind. Names, text and numbers only."""
+    """Members of one kind that run the same law on the same detection. Names, text and numbers only."""
 
     law: str
     """Name of a law, or the path of a user's own law file."""
     count: int
     pipeline: str
     name: str = "herd"
-    """Its keys begin with it, as in `herd.count`."""
+    """Keys of the group begin with it, as in `herd.count`."""
     selection: str = "all"
     law_source: str = ""
     """Text of the user's own law file: it travels with the trial."""
     law_parameters: Mapping[str, Value] = field(default_factory=dict)
     pipeline_parameters: Mapping[str, Value] = field(default_factory=dict)
     spread: Mapping[str, float] = field(default_factory=dict)
-    """Name of a law's parameter → how far members differ in it, as a share of its value (`simulations.spread`)."""
+    """Name of a law's parameter → how far members differ in it, a share of its value (trials/simulations/spread.py)."""
     setup: Mapping[str, Value] = field(default_factory=dict)
-    """What else the trial's simulation lets a group be given, by key without the group's name: `speed_m_s`,
-    `sensors.dropout`. What is left out has the value that the simulation declares."""
+    """Values that only the trial's simulation knows, by key without the group's name: `speed_m_s`, `sensors.dropout`.
+    A key that is left out has the value that the simulation declares."""
 
 
 @dataclass(frozen=True)
 class Trial:
-    """Everything that decides a trial: the same `Trial` gives the same `TrialResult`."""
+    """Everything that determines a trial: equal trials give equal results."""
 
     experiment: str
     repeat: int
     """From 1; trials of the same repeat share start and noise, whatever their conditions."""
     simulation: str
-    """What runs it: a folder of `trials.simulations`."""
+    """The simulation that runs it: a folder of `trials.simulations`."""
     world: str
     formation: str
     groups: tuple[Group, ...]
@@ -55,10 +55,10 @@ class Trial:
     world_parameters: Mapping[str, Value] = field(default_factory=dict)
     formation_parameters: Mapping[str, Value] = field(default_factory=dict)
     setup: Mapping[str, Value] = field(default_factory=dict)
-    """What else the simulation lets a trial be given, by key: `duration_s`, `links.range_m`. What is left out has the
+    """Values that only the simulation knows, by key: `duration_s`, `links.range_m`. A key that is left out has the
     value that the simulation declares."""
     conditions: Mapping[str, Value] = field(default_factory=dict)
-    """What the experiment (and a sweep) varies from trial to trial."""
+    """The keys that the experiment, or a sweep, varies from trial to trial, with this trial's values."""
 
     def as_dict(self) -> dict[str, Any]:
         """As plain dicts and lists, for JSON."""
@@ -76,7 +76,7 @@ Kept = TypeVar("Kept", Group, Trial)
 
 
 def with_setup(kept: Kept, values: Mapping[str, Value]) -> Kept:
-    """A trial or a group with these entries of its setup, in place of its own of the same keys."""
+    """A trial or a group with these values in its setup, in place of those that it has for the same keys."""
     return dataclasses.replace(kept, setup={**kept.setup, **values})
 
 
@@ -102,9 +102,9 @@ class Updates:
     motions: Floats
     """(U, 2) x and y of the motion (a way-point: m, body frame); nan where the kind has none."""
     poses_w: Floats
-    """(U, 3) true pose of the focal member when it sensed."""
+    """(U, 3) true pose of the focal member at the time of sensing."""
     commands: Floats
-    """(U, 2) speed (m/s) and turn rate (rad/s) that it then sent to its wheels."""
+    """(U, 2) speed (m/s) and turn rate (rad/s) that it sent to its wheels."""
     input_starts: Ints
     """(U + 1,) rows `input_starts[u]:input_starts[u + 1]` of the inputs belong to update u."""
     input_positions: NDArray[np.float32]
@@ -112,17 +112,17 @@ class Updates:
     input_owners: NDArray[np.int16]
     """(K,) which robot the input belongs to, −1 = nobody (a false positive)."""
     member_states: NDArray[np.int8]
-    """(U, N) for each member: HIDDEN, DETECTED or MISSED (see trials.truth); the focal member is HIDDEN."""
+    """(U, N) for each member: HIDDEN, DETECTED or MISSED (see `sensing.truth`); the focal member is HIDDEN."""
     beams_lit: Ints
-    """(U,) beams that members made (ground truth)."""
+    """(U,) beams that fell on members (ground truth)."""
     beams_missed: Ints
-    """(U,) of these, beams that made no input."""
+    """(U,) beams that fell on members and made no input."""
     beams_made_up: Ints
     """(U,) beams that made an input but belong to nobody."""
 
 
 def no_updates(members: int) -> Updates:
-    """Those of a simulation whose members do not update one by one."""
+    """The updates of a simulation whose members do not update one by one: none."""
     none, whole = np.empty(0), np.empty(0, np.int64)
     return Updates(
         times=none,
@@ -175,7 +175,7 @@ class Contacts:
 
 
 def no_contacts() -> Contacts:
-    """Those of a simulation whose members touch nothing."""
+    """The contacts of a simulation whose members touch nothing: none."""
     whole = np.empty(0, np.int64)
     return Contacts(np.empty(0), whole, whole, np.empty((0, 2)))
 
@@ -197,7 +197,7 @@ class TrialResult:
     radii: Floats
     """(N,) m."""
     rules: tuple[tuple[str, ...], ...]
-    """For each robot the names of its law's rules."""
+    """For each robot the names of its rules: `Updates.rules` are indices into them."""
     walls_w: Floats
     """(W, 4) segments, m."""
     period_m: float
@@ -211,4 +211,4 @@ class TrialResult:
     reason: str
     """Why it failed, one line; empty if done. A failed trial holds what was measured until then."""
     timing: Mapping[str, float]
-    """Wall time by part, s: physics, and the rest. Not part of the result: it differs from run to run."""
+    """Wall time by part, s: `build_s` and `loop_s`. Not part of the result: it differs from run to run."""

@@ -4,7 +4,7 @@ Shapes: N members; leading axes (…, usually T times) pass through: a formation
 (T, N, 2) gives (T,). Lengths in metres (any one unit will do), angles in radians. A nan among the members
 makes the measure nan. `period_m`: the side of a periodic square, None in unbounded space.
 
-Groups and mixing are in `measures_groups`, hulls in `measures_hull`, links in `measures_links`.
+Groups and mixing are in `groups`, hulls in `hull`, links in `links`, beside this file.
 """
 
 from __future__ import annotations

@@ -10,7 +10,7 @@ from sensing.laser.planar import BEAMS
 Draws16 = NDArray[np.uint16]
 """Equally likely whole numbers below 65536."""
 AHEAD = 16
-"""Scans for which numbers are drawn at once: from there on a scan's share of the call hardly falls."""
+"""Scans for which numbers are drawn at once; with more, a scan's share of the call becomes hardly smaller."""
 
 
 class Draws:

@@ -33,9 +33,9 @@ meets the floor, is not modelled: at 3 degrees it is 5 cm off the plane after 1 
 LIFT_BOUND_M = 0.03
 """A body that stands higher or lower than in the model's reference pose by more is an error."""
 LEVEL = -1
-"""What `place` returns when all is well."""
+"""What `place` returns where no frame leans or is lifted."""
 _SLACK_BEAMS = 1e-9
-"""Keeps a beam that meets the end of a face exactly."""
+"""Beams within this distance of the end of a face count as on it: round-off must not lose one that meets it exactly."""
 
 
 _BEARINGS = (np.arange(BEAMS) + FIRST_STEP) * STEP_RAD
@@ -196,7 +196,10 @@ def _see_disc(
     nearness: Floats,
     surfaces: Ints,
 ) -> None:
-    """Let beams that meet a disc see it where it is the nearest so far; `scale` is 1 / (distance² − radius²)."""
+    """Of the beams that meet a disc, mark those for which it is the nearest so far.
+
+    `scale` is 1 / (distance² − radius²) of its centre.
+    """
     for i in range(len(cosines)):
         off = cx * sines[i] - cy * cosines[i]
         inside = radius * radius - off * off
@@ -210,11 +213,11 @@ def _see_disc(
 def _see_face(
     kx: float, ky: float, surface: int, cosines: Floats, sines: Floats, nearness: Floats, surfaces: Ints
 ) -> None:
-    """Let beams that meet a face see it where it is the nearest so far: along a beam its 1/distance is k · beam."""
+    """Of the beams that meet a face, mark those for which it is the nearest so far: its 1/distance is k · beam."""
     for i in range(len(cosines)):
         near = kx * cosines[i] + ky * sines[i]
         nearer = near > nearness[i]
-        # both arms write: this loop then runs several beams at a time
+        # written either way: without a branch the compiler computes several beams at a time
         nearness[i] = near if nearer else nearness[i]
         surfaces[i] = surface if nearer else surfaces[i]
 
@@ -254,7 +257,7 @@ def cast(
                         nearness[low : high + 1], surfaces[low : high + 1],
                     )  # fmt: skip
             continue
-        # where the laser stands, seen from the rectangle
+        # the laser's place in the axes of the rectangle
         px, py = -(cx * ux + cy * uy), cx * uy - cy * ux
         if abs(px) <= a and abs(py) <= b:
             nearness[:] = math.inf
@@ -324,8 +327,10 @@ def cast_one(i: int, laser: Pose, own: int, max_range_m: float, poses: Floats, s
 
 @borrowing
 def slope(surface: int, laser: Pose, poses: Floats, shapes: Shapes) -> tuple[bool, float, float]:
-    """What `cosine_of_incidence` needs of a surface, in the laser's frame: is it a disc; then the centre divided by
-    the radius, else the normal."""
+    """What `cosine_of_incidence` needs of a surface, in the laser's frame.
+
+    Whether it is a disc, and two coordinates: of a disc's centre divided by its radius, or of a face's normal.
+    """
     p = surface // 4
     cx, cy, ux, uy = in_laser_frame(shapes, p, poses, laser)
     if p >= shapes.rectangles:
@@ -376,7 +381,7 @@ def away(
     poses: Floats,
     shapes: Shapes,
 ) -> float:
-    """Distance of the point (x, y) in the laser's frame from a surface, m."""
+    """Distance (m) of the point (x, y), in the laser's frame, from a surface."""
     p = surface // 4
     cx, cy, ux, uy = in_laser_frame(shapes, p, poses, laser)
     a, b = shapes.outlines[p, 4], shapes.outlines[p, 5]

@@ -39,12 +39,12 @@ CODE_FAILED = 16
 FIRST_RANGE_MM = 20
 """P: lower numbers in place of a range are codes."""
 IDEAL, HALF_RESOLUTION, STRONG_CODE = 0, 1, 2
-"""How the laser tells of intensity."""
+"""How the laser reports intensity, in the order of `hokuyo.MODES`."""
 MIXING_JUMP_M = 0.02
-"""Surfaces nearer to one another along neighbouring beams blend without a reading of their own. (choice)"""
+"""Between neighbouring beams whose surfaces' distances differ by less, no mixed reading is made. ?"""
 SURFACE_TOLERANCE_M = 0.05
-"""Ground truth: a reading farther than this, and than three standard deviations, from a member's surface belongs to
-nobody."""
+"""Ground truth: a reading belongs to nobody if it is farther from a member's surface than both this and three standard
+deviations."""
 NORMALS: NDArray[np.float32] = ndtri((np.arange(4096) + 0.5) / 4096).astype(np.float32)
 """(4096,) equally likely normal deviates, the middles of as many quantiles: the greatest is 3.7, their standard
 deviation 0.9997. A deviate costs 12 random bits and no arithmetic, and the table fits the nearest cache."""

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import math
-import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from functools import partial
 from typing import NamedTuple
 
 import mujoco
@@ -48,7 +46,7 @@ class Rays:
         self._normals = np.empty(3 * BEAMS)
 
     @contextmanager
-    def hidden(self, k: int) -> Iterator[None]:
+    def _hidden(self, k: int) -> Iterator[None]:
         """Robot k's own geoms are not hit inside this context."""
         own = self._own[k]
         before = self._model.geom_group[own].copy()
@@ -64,26 +62,19 @@ class Rays:
         A laser inside a geom is covered by it: distance 0. Bodies stand where `data.qpos` puts them.
         """
         mujoco.mj_kinematics(self._model, data)
-        directions = self.directions(data, k)
-        with self.hidden(k):
-            self.shoot(data, k, directions, self._normals)
+        site = self._sites[k]
+        directions = self._local @ np.asarray(data.site_xmat[site]).reshape(3, 3).T
+        with self._hidden(k):
+            mujoco.mj_multiRay(
+                self._model, data, data.site_xpos[site], directions.ravel(), self._groups, True, -1,
+                self._geoms, self._distances, self._normals, BEAMS, MAX_RANGE_M,
+            )  # fmt: skip
         distances, geoms = self._distances.copy(), self._geoms.astype(np.int64)
         leaving = np.einsum("ij,ij->i", directions, self._normals.reshape(-1, 3)) > 0.0
         distances[leaving & (geoms >= 0)] = 0.0
         lost = (geoms < 0) | (distances > MAX_RANGE_M)
         distances[lost], geoms[lost] = math.inf, -1
         return distances, geoms
-
-    def directions(self, data: mujoco.MjData, k: int) -> Floats:
-        """(B, 3) beams of laser k in the world."""
-        return self._local @ np.asarray(data.site_xmat[self._sites[k]]).reshape(3, 3).T
-
-    def shoot(self, data: mujoco.MjData, k: int, directions: Floats, normals: Floats | None = None) -> None:
-        """The call of `mj_multiRay` alone: what the planar laser's speed is compared with."""
-        mujoco.mj_multiRay(
-            self._model, data, data.site_xpos[self._sites[k]], directions.ravel(), self._groups, True, -1,
-            self._geoms, self._distances, normals, BEAMS, MAX_RANGE_M,
-        )  # fmt: skip
 
 
 class Comparison(NamedTuple):
@@ -94,10 +85,6 @@ class Comparison(NamedTuple):
     """Beams that differ by more than 1 cm, or of which only one hits something."""
     largest_m: float
     """Largest difference where both hit."""
-    planar_s: float
-    """Median time of one scan's cast."""
-    rays_s: float
-    """Median time of the same through `mj_multiRay`, without kinematics."""
 
 
 def difference(planar: Floats, rays: Floats) -> Floats:
@@ -108,33 +95,12 @@ def difference(planar: Floats, rays: Floats) -> Floats:
     return out
 
 
-def _durations(call: Callable[[], object], repeats: int) -> list[float]:
-    times = []
-    for _ in range(repeats):
-        start = time.perf_counter()
-        call()
-        times.append(time.perf_counter() - start)
-    return times
-
-
-def compare(lasers: Lasers, rays: Rays, data: mujoco.MjData, repeats: int = 20) -> Comparison:
-    """Cast every laser both ways, `repeats` times each in a row, and compare distances and times."""
-    differences, fast, slow = [], [], []
-    for k in range(len(lasers.roots)):
-        planar, _ = lasers.cast(data, k)
-        differences.append(difference(planar, rays.cast(data, k)[0]))
-    for k in range(len(lasers.roots)):
-        fast += _durations(partial(lasers.trace, data, k), repeats)
-    for k in range(len(lasers.roots)):
-        directions = rays.directions(data, k)
-        with rays.hidden(k):
-            slow += _durations(partial(rays.shoot, data, k, directions), repeats)
-    joined = np.concatenate(differences)
+def compare(lasers: Lasers, rays: Rays, data: mujoco.MjData) -> Comparison:
+    """Cast every laser both ways and compare the distances."""
+    joined = np.concatenate(
+        [difference(lasers.cast(data, k)[0], rays.cast(data, k)[0]) for k in range(len(lasers.roots))]
+    )
     finite = joined[np.isfinite(joined)]
     return Comparison(
-        beams=len(joined),
-        distant=int(np.sum(joined > DISTANT_M)),
-        largest_m=float(finite.max(initial=0.0)),
-        planar_s=float(np.median(fast)),
-        rays_s=float(np.median(slow)),
+        beams=len(joined), distant=int(np.sum(joined > DISTANT_M)), largest_m=float(finite.max(initial=0.0))
     )

@@ -1,5 +1,4 @@
-"""Member-based detection (Fine 2015, sections 2.2 and 2.3.1): one input for each member recognised by its
-shape.
+"""Member-based detection (Fine 2015, sections 2.2 and 2.3.1): one input for each member recognised by its shape.
 
 The input is the average of the member's foreground readings, as published. They lie on the side that faces the laser,
 so the input stands before the member's centre: by 0.80 radii far away, 0.92 where the two touch (0.13 to 0.15 m for

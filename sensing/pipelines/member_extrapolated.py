@@ -1,8 +1,6 @@
-"""Member-extrapolated detection (Fine 2015, section 2.5): the test of member-based detection without its
-average.
+"""Member-extrapolated detection (Fine 2015, section 2.5): the test of member-based detection without its average.
 
-Every foreground reading of a recognised member is an input of its own: a point on the surface that faces the
-laser.
+Every foreground reading of a recognised member is an input of its own: a point on the surface that faces the laser.
 """
 
 from __future__ import annotations
@@ -24,7 +22,6 @@ def start(parameters: Parameters, member_model: mujoco.MjModel, member_height_m:
 
 
 def detect(senses: Senses, own: Own, state: Recogniser) -> tuple[Detection, Recogniser]:
-    """One row a reading of a recognised member, in the order of the beams; obstacles are all other
-    segments."""
+    """One row a reading of a recognised member, in the order of the beams; obstacles are all other segments."""
     assert senses.scan is not None
     return recognise(senses.scan.ranges, state, False), state

@@ -10,12 +10,12 @@ from __future__ import annotations
 
 import math
 from functools import cache
-from typing import Annotated, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import mujoco
 import numpy as np
 
-from flocking.compilation import compiled
+from flocking.compilation import borrowing
 from flocking.parameters import Parameter
 from flocking.types import Floats, Ints, Members, Obstacles, Own, unknown
 from sensing.shapes import recognition
@@ -37,7 +37,10 @@ class Parameters(NamedTuple):
 
 
 class State(NamedTuple):
-    """The parameters and scratch space."""
+    """The parameters, and arrays that every scan of B beams writes over.
+
+    Compiled code takes it as a plain tuple and names its fields again: from Python a named tuple takes Numba longer.
+    """
 
     threshold: float
     split_m: float
@@ -46,11 +49,19 @@ class State(NamedTuple):
     directions: Floats
     """(B, 2) of the beams."""
     points: Floats
-    """(B, 2) scratch."""
+    """(B, 2) this and the next two as `segments.split` fills them."""
     readings: Ints
-    """(B,) scratch."""
+    """(B,)."""
     starts: Ints
-    """(B + 1,) scratch."""
+    """(B + 1,)."""
+    nearest: Ints
+    """(B,) the nearest beam of each obstacle."""
+    positions: Floats
+    """(B, 2) of the inputs, m."""
+    bearings: Floats
+    """(B,) of the inputs, rad."""
+    obstacles: Floats
+    """(B, 2) m."""
 
 
 def start(parameters: Parameters, member_model: mujoco.MjModel, member_height_m: float, angles: Floats) -> State:
@@ -67,52 +78,45 @@ def start(parameters: Parameters, member_model: mujoco.MjModel, member_height_m:
 
 
 @cache
-def _scratch(beams: int) -> tuple[Floats, Ints, Ints]:
-    """One for all robots of a process: every scan writes it over, and it stays in the processor's cache."""
-    return np.zeros((beams, 2)), np.zeros(beams, np.int64), np.zeros(beams + 1, np.int64)
+def _scratch(beams: int) -> tuple[Floats, Ints, Ints, Ints, Floats, Floats, Floats]:
+    """One for all robots of a process, so that it stays in the processor's cache."""
+    readings, nearest = np.zeros((2, beams), np.int64)
+    points, positions, obstacles = np.zeros((3, beams, 2))
+    return points, readings, np.zeros(beams + 1, np.int64), nearest, positions, np.zeros(beams), obstacles
 
 
 def detect(senses: Senses, own: Own, state: State) -> tuple[Detection, State]:
     """One row a bright reading, in the order of the beams."""
     scan = senses.scan
     assert scan is not None
-    positions, bearings, obstacles, beams = _detect(scan.ranges, scan.intensities, *state)
-    members = Members(positions, bearings, *unknown(len(bearings)))
-    return Detection(members, Obstacles(obstacles), beams), state
+    beams = np.empty(len(scan.ranges), np.int64)
+    inputs, obstacles = _detect(tuple(state), scan.ranges, scan.intensities, beams)
+    positions, bearings = state.positions[:inputs].copy(), state.bearings[:inputs].copy()
+    points = state.obstacles[:obstacles].copy()
+    return Detection(Members(positions, bearings, *unknown(inputs)), Obstacles(points), beams), state
 
 
-@compiled
-def _detect(
-    ranges: Floats,
-    intensities: Floats,
-    threshold: float,
-    split_m: float,
-    mount_x: float,
-    mount_y: float,
-    directions: Floats,
-    points: Floats,
-    readings: Ints,
-    starts: Ints,
-) -> tuple[Floats, Floats, Floats, Ints]:
-    """Positions and bearings of the inputs, points of the obstacles, the row of each beam; all newly made."""
-    segments, kept = split(ranges, directions, mount_x, mount_y, split_m, points, readings, starts)
-    beams = np.full(len(ranges), NOBODY, np.int64)
-    inputs = 0
+@borrowing
+def _detect(state: tuple[Any, ...], ranges: Floats, intensities: Floats, beams: Ints) -> tuple[int, int]:
+    """How many inputs and obstacles there are: fills their rows of the state's arrays, and `beams` (B,)."""
+    the = State(*state)
+    points, readings, starts, nearest = the.points, the.readings, the.starts, the.nearest
+    segments, kept = split(ranges, the.directions, the.mount_x, the.mount_y, the.split_m, points, readings, starts)
+    beams[:] = NOBODY
+    inputs, obstacles = 0, 0
     for k in range(kept):
-        if intensities[readings[k]] >= threshold:
+        if intensities[readings[k]] >= the.threshold:
             beams[readings[k]] = inputs
             inputs += 1
-    positions, bearings = np.empty((inputs, 2)), np.empty(inputs)
-    nearest, obstacles = np.empty(kept, np.int64), 0
     for s in range(segments):
         background = False
         for k in range(starts[s], starts[s + 1]):
             beam = readings[k]
             row = beams[beam]
             if row >= 0:
-                positions[row, 0] = points[beam, 0]
-                positions[row, 1] = points[beam, 1]
-                bearings[row] = math.atan2(points[beam, 1], points[beam, 0])
+                the.positions[row, 0] = points[beam, 0]
+                the.positions[row, 1] = points[beam, 1]
+                the.bearings[row] = math.atan2(points[beam, 1], points[beam, 0])
                 background = False
             elif math.isnan(intensities[beam]):
                 continue
@@ -122,13 +126,7 @@ def _detect(
                 background = True
             elif ranges[beam] < ranges[nearest[obstacles - 1]]:
                 nearest[obstacles - 1] = beam
-    surfaces = np.empty((obstacles, 2))
     for k in range(obstacles):
-        surfaces[k, 0] = points[nearest[k], 0]
-        surfaces[k, 1] = points[nearest[k], 1]
-    return (
-        positions,
-        bearings,
-        surfaces,
-        beams,
-    )
+        the.obstacles[k, 0] = points[nearest[k], 0]
+        the.obstacles[k, 1] = points[nearest[k], 1]
+    return inputs, obstacles

@@ -4,7 +4,7 @@ Fine 2015, section 2.3.1: the scan is split into segments by the distance betwee
 time-warped to an equal number of readings and compared with the database of members. The readings of an accepted
 segment are the foreground; every other segment is background, and its nearest point an obstacle.
 
-Where it fails, by its nature: members that touch side by side or stand in front of a wall nearer than the splitting
+Where it must fail: members that touch side by side or stand in front of a wall nearer than the splitting
 distance are one segment with it and rejected (false negatives); a piece of wall, box or post of a member's width is
 accepted (false positives), the more so the farther it stands, where noise is as large as the arc is deep.
 """
@@ -13,12 +13,12 @@ from __future__ import annotations
 
 import math
 from functools import cache
-from typing import Annotated, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import mujoco
 import numpy as np
 
-from flocking.compilation import compiled
+from flocking.compilation import borrowing
 from flocking.parameters import Parameter
 from flocking.types import Floats, Ints, Members, Obstacles, unknown
 from sensing.shapes.segments import beam_directions, laser_mount, shape_of, split
@@ -27,9 +27,9 @@ from sensing.shapes.warping import nearest_shape, warp_rows
 from sensing.types import NOBODY, Detection
 
 SAMPLES, BAND = 8, 1
-"""Readings to which each segment is resampled, and samples by which the warping may run ahead. Neither is published;
-`python -m scripts.calibrate_detection` compares: fewer samples average more noise out, and the even stretch of time
-leaves little to warp."""
+"""Samples to which each segment is resampled, and samples by which the warping may run ahead. Neither is published;
+`python -m scripts.calibrate_detection` compares some. The fewer samples, the more readings each of them averages, and
+the less of their noise remains; after even resampling there is little left to warp."""
 
 FINE_RAD = 0.005
 """Angle between the beams of which the templates are made where a scan has but one beam."""
@@ -48,8 +48,34 @@ class Parameters(NamedTuple):
     """A segment is a member if its warping cost is at most this."""
 
 
+class Scratch(NamedTuple):
+    """Arrays that every scan of B beams writes over, of whichever robot."""
+
+    points: Floats
+    """(B, 2) this and the next two as `segments.split` fills them."""
+    readings: Ints
+    """(B,)."""
+    starts: Ints
+    """(B + 1,)."""
+    kept: Ints
+    """(B + 1,) segments that are members from its start on, those that are obstacles from its end backwards."""
+    shape: Floats
+    """(S, 2) of the segment at hand, m."""
+    rows: Floats
+    """Of the warping."""
+    positions: Floats
+    """(B, 2) of the inputs, m."""
+    bearings: Floats
+    """(B,) of the inputs, rad."""
+    obstacles: Floats
+    """(B, 2) m."""
+
+
 class Recogniser(NamedTuple):
-    """The parameters, the database and scratch space; the compiled code sees the arrays only."""
+    """The parameters, the database, and the arrays of `Scratch`.
+
+    Compiled code takes it as a plain tuple and names its fields again: from Python a named tuple takes Numba longer.
+    """
 
     split_m: float
     threshold_m: float
@@ -65,17 +91,15 @@ class Recogniser(NamedTuple):
     limits_m: Floats
     """(D − 1,)."""
     points: Floats
-    """(B, 2) scratch."""
+    """This and what follows as in `Scratch`."""
     readings: Ints
-    """(B,) scratch."""
     starts: Ints
-    """(B + 1,) scratch."""
     kept: Ints
-    """(B + 1,) scratch."""
     shape: Floats
-    """(S, 2) scratch."""
     rows: Floats
-    """Scratch of the warping."""
+    positions: Floats
+    bearings: Floats
+    obstacles: Floats
 
 
 def recogniser(
@@ -94,7 +118,6 @@ def recogniser(
     mount_x, mount_y, yaw = laser_mount(member_model)
     step_rad = float(np.median(np.diff(angles))) if beams > 1 else FINE_RAD
     templates = make_templates(member_model, member_height_m, step_rad, samples, band)
-    points, readings, starts, kept, shape, rows = _scratch(beams, samples)
     return Recogniser(
         float(parameters.split_m),
         float(parameters.threshold_m),
@@ -102,66 +125,51 @@ def recogniser(
         mount_x,
         mount_y,
         beam_directions(angles, yaw),
-        *templates,
-        points,
-        readings,
-        starts,
-        kept,
-        shape,
-        rows,
+        templates.shapes,
+        templates.starts,
+        templates.limits_m,
+        **_scratch(beams, samples)._asdict(),
     )
 
 
 @cache
-def _scratch(beams: int, samples: int) -> tuple[Floats, Ints, Ints, Ints, Floats, Floats]:
-    """One for all robots of a process: every scan writes it over, and it stays in the processor's cache."""
-    return (
-        np.zeros((beams, 2)),
-        np.zeros(beams, np.int64),
-        np.zeros(beams + 1, np.int64),
-        np.zeros(beams + 1, np.int64),
-        np.zeros((samples, 2)),
-        warp_rows(samples),
+def _scratch(beams: int, samples: int) -> Scratch:
+    """One for all robots of a process, so that it stays in the processor's cache."""
+    return Scratch(
+        points=np.zeros((beams, 2)),
+        readings=np.zeros(beams, np.int64),
+        starts=np.zeros(beams + 1, np.int64),
+        kept=np.zeros(beams + 1, np.int64),
+        shape=np.zeros((samples, 2)),
+        rows=warp_rows(samples),
+        positions=np.zeros((beams, 2)),
+        bearings=np.zeros(beams),
+        obstacles=np.zeros((beams, 2)),
     )
 
 
 def recognise(ranges: Floats, state: Recogniser, average: bool) -> Detection:
     """The members in `ranges` (B,) m: one input each (`average`), or one for each of their readings."""
-    positions, bearings, obstacles, beams = _recognise(ranges, *state, average)
-    return Detection(Members(positions, bearings, *unknown(len(bearings))), Obstacles(obstacles), beams)
+    beams = np.empty(len(ranges), np.int64)
+    inputs, obstacles = _recognise(tuple(state), ranges, average, beams)
+    positions, bearings = state.positions[:inputs].copy(), state.bearings[:inputs].copy()
+    points = state.obstacles[:obstacles].copy()
+    return Detection(Members(positions, bearings, *unknown(inputs)), Obstacles(points), beams)
 
 
-@compiled
-def _recognise(
-    ranges: Floats,
-    split_m: float,
-    threshold_m: float,
-    band: int,
-    mount_x: float,
-    mount_y: float,
-    directions: Floats,
-    templates: Floats,
-    groups: Ints,
-    limits_m: Floats,
-    points: Floats,
-    readings: Ints,
-    starts: Ints,
-    kept: Ints,
-    shape: Floats,
-    rows: Floats,
-    average: bool,
-) -> tuple[Floats, Floats, Floats, Ints]:
-    """Positions and bearings of the inputs, points of the obstacles, the row of each beam; all newly made.
-
-    `kept` lists the segments that are members from its start, and those that are obstacles from its end.
-    """
-    segments, _ = split(ranges, directions, mount_x, mount_y, split_m, points, readings, starts)
+@borrowing
+def _recognise(recogniser: tuple[Any, ...], ranges: Floats, average: bool, beams: Ints) -> tuple[int, int]:
+    """How many inputs and obstacles there are: fills their rows of the scratch arrays, and `beams` (B,)."""
+    the = Recogniser(*recogniser)
+    points, readings, starts, kept = the.points, the.readings, the.starts, the.kept
+    segments, _ = split(ranges, the.directions, the.mount_x, the.mount_y, the.split_m, points, readings, starts)
     members, foreground = 0, 0
     for s in range(segments):
         start, end = starts[s], starts[s + 1]
-        group = group_at(shape_of(points, readings, start, end, mount_x, mount_y, shape), limits_m)
-        alike = templates[groups[group] : groups[group + 1]]
-        if nearest_shape(shape, alike, band, threshold_m, threshold_m, rows) <= threshold_m:
+        distance = shape_of(points, readings, start, end, the.mount_x, the.mount_y, the.shape)
+        group = group_at(distance, the.limits_m)
+        alike = the.templates[the.groups[group] : the.groups[group + 1]]
+        if nearest_shape(the.shape, alike, the.band, the.threshold_m, the.threshold_m, the.rows) <= the.threshold_m:
             kept[members] = s
             members += 1
             foreground += end - start
@@ -169,8 +177,9 @@ def _recognise(
             kept[len(kept) - 1 - (s - members)] = s
 
     inputs = members if average else foreground
-    positions, bearings = np.zeros((inputs, 2)), np.empty(inputs)
-    beams = np.full(len(ranges), NOBODY, np.int64)
+    positions, bearings, obstacles = the.positions, the.bearings, the.obstacles
+    positions[:inputs] = 0.0
+    beams[:] = NOBODY
     row = 0
     for m in range(members):
         start, end = starts[kept[m]], starts[kept[m] + 1]
@@ -188,7 +197,6 @@ def _recognise(
     for row in range(inputs):
         bearings[row] = math.atan2(positions[row, 1], positions[row, 0])
 
-    obstacles = np.empty((segments - members, 2))
     for k in range(segments - members):
         s = kept[len(kept) - 1 - k]
         nearest = readings[starts[s]]
@@ -197,4 +205,4 @@ def _recognise(
                 nearest = readings[i]
         obstacles[k, 0] = points[nearest, 0]
         obstacles[k, 1] = points[nearest, 1]
-    return positions, bearings, obstacles, beams
+    return inputs, segments - members

@@ -13,11 +13,12 @@ be taken for one.
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 
 import mujoco
 import numpy as np
 
-from flocking.compilation import compiled
+from flocking.compilation import borrowing
 from flocking.errors import InputError
 from flocking.types import Floats, Ints
 
@@ -28,6 +29,7 @@ SITE = "laser"
 """The site of a robot's model that is its laser."""
 
 
+@lru_cache(maxsize=16)
 def laser_mount(model: mujoco.MjModel) -> tuple[float, float, float]:
     """Pose of the laser in the body frame of the robot that is alone in `model`: x, y (m) and yaw (rad).
 
@@ -51,7 +53,7 @@ def beam_directions(angles: Floats, yaw: float = 0.0) -> Floats:
     return np.ascontiguousarray(np.column_stack((np.cos(angles + yaw), np.sin(angles + yaw))))
 
 
-@compiled
+@borrowing
 def split(
     ranges: Floats,
     directions: Floats,
@@ -91,7 +93,7 @@ def split(
     return segments, kept
 
 
-@compiled
+@borrowing
 def shape_of(points: Floats, readings: Ints, start: int, end: int, x0: float, y0: float, shape: Floats) -> float:
     """The shape of the segment `readings[start:end]`, resampled to the rows of `shape` (S, 2), m.
 

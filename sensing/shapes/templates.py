@@ -1,9 +1,9 @@
-"""The database of members: how one looks to an ideal laser, from every distance and side (made, not drawn).
+"""The database of members: how one looks to an ideal laser, from every distance and side, computed from its model.
 
 The member's own model is scanned with MuJoCo's rays at the laser's height, at a grid of distances and headings, and
 each scan is resampled as the segments of a real one are. A segment is held against the shapes seen from about its
-own distance only. Shapes that do not differ are kept once: a round silhouette looks the same from every side, so one a
-distance remains.
+own distance only. Shapes that do not differ are kept once: a round silhouette looks the same from every side, so that
+one shape remains for each distance.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from typing import NamedTuple
 import mujoco
 import numpy as np
 
-from flocking.compilation import compiled
+from flocking.compilation import borrowing
 from flocking.errors import InputError
 from flocking.types import Floats, Ints
 from sensing.laser.slice import slice_at
@@ -23,14 +23,14 @@ from sensing.shapes.segments import beam_directions, shape_of
 from sensing.shapes.warping import nearest_shape, warp_rows
 
 DISTANCES = 8
-"""From two alike that touch, outline to outline, to the laser's range, evenly in the logarithm; choice."""
+"""How many, evenly in the logarithm, from where the outlines of two members touch to the laser's range; choice."""
 FARTHEST_M = 5.6
 """m; P: URG-04LX-UG01 data sheet."""
 HEADINGS = 24
 """Sides from which a member is seen, 15 degrees apart; choice."""
 SAME_M = 0.003
-"""A shape that costs at most this much against one kept from the same distance adds nothing: a tenth of the data
-sheet's 30 mm; choice."""
+"""A shape is left out whose warping cost to one already kept from the same distance is at most this: a tenth of the
+data sheet's 30 mm; choice."""
 ROOT = 1
 """Body of the one robot in its model: the first after the world."""
 
@@ -46,7 +46,7 @@ class Templates(NamedTuple):
     """(D − 1,) distance between laser and mean of the shape at which one group follows the other."""
 
 
-@compiled
+@borrowing
 def group_at(distance_m: float, limits_m: Floats) -> int:
     """The group of templates seen from about `distance_m`, from the laser to the mean of the segment."""
     group = 0

@@ -1,5 +1,4 @@
-"""Dynamic time warping of two shapes (Berndt and Clifford 1994, the method that Fine 2015, section 2.3.1,
-names).
+"""Dynamic time warping of two shapes: Berndt and Clifford 1994, named by Fine 2015, section 2.3.1.
 
 The step pattern is the symmetric one of Sakoe and Chiba (1978, form P = 0): a step along one series weighs 1, a
 diagonal step 2, and the sum is divided by the sum of both lengths. So the cost is a mean distance in metres, the same
@@ -14,7 +13,7 @@ import math
 
 import numpy as np
 
-from flocking.compilation import compiled
+from flocking.compilation import borrowing
 from flocking.types import Floats
 
 
@@ -23,7 +22,7 @@ def warp_rows(samples: int) -> Floats:
     return np.full((4, samples + 2), np.inf)
 
 
-@compiled
+@borrowing
 def warp(a: Floats, b: Floats, band: int, ceiling: float, rows: Floats) -> float:
     """Mean distance (m) of the best alignment of the shapes `a` and `b`, both (S, 2), m.
 
@@ -62,13 +61,11 @@ def warp(a: Floats, b: Floats, band: int, ceiling: float, rows: Floats) -> float
     return cost / (2.0 * len(a)) if cost <= most else math.inf
 
 
-@compiled
+@borrowing
 def nearest_shape(shape: Floats, templates: Floats, band: int, ceiling: float, enough: float, rows: Floats) -> float:
-    """Least warping cost (m) of `shape` (S, 2) among `templates` (K, S, 2); inf if none is at or below
-    `ceiling`.
+    """Least warping cost (m) of `shape` (S, 2) among `templates` (K, S, 2); inf if none is at or below `ceiling`.
 
-    Stops at the first template whose cost is at or below `enough`: to know whether a shape is accepted, no
-    more is needed.
+    Stops at the first template whose cost is at or below `enough`: whether a shape is accepted is then known.
     """
     best = math.inf
     for k in range(len(templates)):

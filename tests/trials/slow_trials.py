@@ -1,4 +1,4 @@
-"""Real trials in a worker that is slow to get going, as one that compiles is, for tests of the watch."""
+"""Real trials in a worker that starts slowly, as one that compiles does, for tests of the watch."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ KERNEL = "flocking.kinematic.kernel"
 
 
 class SlowKernel:
-    """A finder of modules that takes its time over the kernel and finds nothing."""
+    """A finder of modules that waits when asked for the kernel, and finds nothing."""
 
     @staticmethod
     def find_spec(name: str, path: object = None, target: object = None) -> None:
@@ -26,7 +26,7 @@ def run(trial: dict[str, Any], scans: str, record: bool) -> WorkerOutput:
     """The trial; its kernel takes long to import, its robots take long to detect for the first time."""
     assert KERNEL not in sys.modules
     sys.meta_path.insert(0, SlowKernel())  # type: ignore[arg-type]
-    if trial["simulation"] == "physics":
+    if trial["simulation"] == "robots":
         from trials.simulations.robots.robot import Robot
 
         quick = Robot.detect

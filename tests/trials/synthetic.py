@@ -47,7 +47,7 @@ def synthetic_result(
             "detection-case-study",
             repeat,
             [fields.group(count=robots, pipeline=pipeline)],
-            duration_s=float(seconds),
+            duration_s=max(0.1, float(seconds)),  # a trial may fail at once, but is not planned to last no time
         ),
         index=index,
         seed=seed,
@@ -70,7 +70,7 @@ def synthetic_result(
         measures={"polarization": 0.9, "mmd_m": 1.0, "groups": 1.0},
         outcome=outcome,
         reason="" if outcome == "done" else "physics diverged at 0.3 s",
-        timing={"physics": 0.3, "rest": 0.3},
+        timing={"build_s": 0.3, "loop_s": 0.3},
     )
 
 

@@ -13,11 +13,11 @@ from flocking import found
 from flocking.errors import InputError
 from flocking.parameters import declared
 from robots import body
-from trials.simulations.robots.keys import valid
+from trials.simulations.robots.fields import world_names
 from worlds import assemble, corridor, formations
 from worlds.walls import HEIGHT, Walls, closed
 
-WORLDS = valid("worlds")
+WORLDS = world_names()
 CREATE = body.load("create")
 DIAMETER = 2.0 * CREATE.radius
 TIMESTEP = 0.01

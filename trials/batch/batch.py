@@ -1,4 +1,4 @@
-"""Many trials on all cores: each is kept as it ends, whatever becomes of the others.
+"""Many trials on all cores: each is kept in the run's folder as it ends, whether or not others fail.
 
 Results depend on the trials alone, not on the number of workers nor on the order in which they end.
 """
@@ -36,23 +36,46 @@ AHEAD = 2
 WARM_UP_LIMIT_S = 300.0
 """Wall time for filling the compiled cache, for each set of code."""
 BREAKS = 3
-"""How often in a row the workers may all die before one trial has ended."""
+"""How often in a row all workers may die before one trial has ended."""
+Events = queue.SimpleQueue[Future[WorkerOutput] | int]
+"""What the batch waits for: a trial that ended, or the number of a signal that stops the batch."""
 STOPPING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+"""Signals that stop a batch."""
 
 
 class Progress(Protocol):
-    """Who is told how a batch goes on."""
+    """What shows the progress of a batch."""
 
     def say(self, text: str) -> None:
-        """What the batch is at, before its first trial."""
+        """Shows what the batch is doing before its first trial."""
 
     def ended(self, row: Row) -> None:
-        """One more trial is kept."""
+        """Counts one more trial that was kept."""
+
+
+@dataclass(frozen=True)
+class Work:
+    """What workers do with each trial of a batch, and how long that may take."""
+
+    run: Job = worker.run_packed
+    scans: str = "some"
+    """`some` or `all`: which scans of a trial go into its recording."""
+    recorded: frozenset[int] = frozenset()
+    """Indices of the trials to record."""
+    imports: Callable[[], None] | None = None
+    """Called in each worker before its first trial."""
+    warm_up: Sequence[Trial] = ()
+    """Trials of which the first moment is run beforehand, one after the other, so that workers do not all compile the
+    same code, and none does while a trial's time counts."""
+    limit_s: Callable[[Trial], float] = worker.limit_s
+    """Wall time that a trial may take."""
+    law_limit_s: float = watch.STEP_LIMIT_S
+    """Wall time within which a law must return."""
 
 
 @dataclass(frozen=True)
 class Summary:
-    """What became of a batch."""
+    """What a batch did."""
 
     rows: list[Row]
     """The trials that it kept, in the order in which they ended."""
@@ -61,7 +84,7 @@ class Summary:
 
 
 class _Stopped(Exception):  # noqa: N818 (no error)
-    """A signal asks the batch to stop."""
+    """The batch was stopped by a signal, whose number is the argument."""
 
 
 def run_batch(
@@ -70,41 +93,32 @@ def run_batch(
     progress: Progress,
     *,
     jobs: int,
-    scans: str = "some",
-    recorded: frozenset[int] = frozenset(),
-    run: Job = worker.run_packed,
-    imports: Callable[[], None] | None = None,
-    warm_up: Sequence[Trial] = (),
-    limit_s: Callable[[Trial], float] = worker.limit_s,
-    law_limit_s: float = watch.STEP_LIMIT_S,
+    work: Work,
 ) -> Summary:
     """Runs the trials in `jobs` worker processes and keeps each in the store as it ends.
 
-    `recorded` holds the indices of the trials to record, with `scans` some or all; `warm_up` the trials of which
-    first a moment is run, one after the other, so that not all workers compile the same code, and none while a
-    trial's time counts. A trial that fails, lasts longer than `limit_s`, whose law does not return within
-    `law_limit_s` or whose worker dies is kept as failed with its reason. SIGINT, SIGTERM and SIGHUP stop
-    the batch: what has ended is kept. Raises `StorageError` if the disk does not take a result.
+    A trial that fails or takes too long, whose law does not return or whose worker dies is kept as failed, with its
+    reason. SIGINT, SIGTERM and SIGHUP stop the batch; trials that ended before are kept. Raises `StorageError` if the
+    disk does not take a result.
     """
     waiting, rows, breaks = deque(trials), list[Row](), 0
-    ended: queue.SimpleQueue[Future[WorkerOutput] | int] = queue.SimpleQueue()
+    ended: Events = queue.SimpleQueue()
     jobs = max(1, min(jobs, len(waiting)))
 
     def submit(pool: ProcessPool, trial: Trial) -> Future[WorkerOutput]:
-        args = (run, trial.as_dict(), scans, trial.index in recorded)
-        return pool.schedule(worker.attempt, args=args, timeout=limit_s(trial))
+        args = (work.run, trial.as_dict(), work.scans, trial.index in work.recorded)
+        return pool.schedule(worker.attempt, args=args, timeout=work.limit_s(trial))
 
     with _environment(worker.ONE_THREAD), _signals(ended.put), _folder() as turns:
-        prepared = (imports, law_limit_s, turns)
         while waiting:
             before = len(rows)
             try:
-                with _pool(jobs, prepared) as pool:
-                    if warm_up and not rows:
+                with _pool(jobs, work, turns) as pool:
+                    if work.warm_up and not rows:
                         progress.say("compiling, where this machine has not yet")
-                        _warm_up(pool, warm_up, run, ended)
+                        _warm_up(pool, work, ended)
                     for trial, future in _ended(pool, waiting, ended, submit, AHEAD * jobs):
-                        rows.append(_keep(store, trial, _output(future, trial, law_limit_s, turns)))
+                        rows.append(_keep(store, trial, _output(future, trial, work.law_limit_s, turns)))
                         progress.ended(rows[-1])
             except _Stopped as stop:
                 return Summary(rows, stop.args[0])
@@ -118,43 +132,43 @@ def run_batch(
 def _ended(
     pool: ProcessPool,
     waiting: deque[Trial],
-    ended: queue.SimpleQueue[Future[WorkerOutput] | int],
+    ended: Events,
     submit: Callable[[ProcessPool, Trial], Future[WorkerOutput]],
     ahead: int,
 ) -> Iterator[tuple[Trial, Future[WorkerOutput]]]:
-    """Hands out what waits, at most `ahead` trials at a time, and yields each as it ends.
+    """Hands the waiting trials to the pool, at most `ahead` at a time, and yields each as it ends.
 
-    Trials that did not end are waiting again when a signal or broken workers put an end to it.
+    If a signal or a broken pool interrupts it, the trials that have not ended are put back at the front of `waiting`.
     """
-    flying: dict[Future[WorkerOutput], Trial] = {}
+    in_pool: dict[Future[WorkerOutput], Trial] = {}
     broken: Exception | None = None
     try:
-        while waiting or flying:
-            while waiting and len(flying) < ahead and broken is None:
+        while waiting or in_pool:
+            while waiting and len(in_pool) < ahead and broken is None:
                 try:
                     future = submit(pool, waiting[0])
-                except RuntimeError as error:  # the pool broke since
+                except RuntimeError as error:  # the pool broke after the last trial was handed to it
                     broken = error
                     break
-                flying[future] = waiting.popleft()
+                in_pool[future] = waiting.popleft()
                 future.add_done_callback(ended.put)
             if broken is not None and ended.empty():
                 raise BrokenProcessPool(str(broken))
             event = ended.get()
             if isinstance(event, int):
                 raise _Stopped(event)
-            if event not in flying:  # of a pool that broke
+            if event not in in_pool:  # a trial of an earlier pool, which broke
                 continue
             if isinstance(event.exception(), BrokenProcessPool):
                 broken = event.exception()  # type: ignore[assignment]
                 continue
-            yield flying.pop(event), event
+            yield in_pool.pop(event), event
     finally:
-        waiting.extendleft(reversed(flying.values()))
+        waiting.extendleft(reversed(in_pool.values()))
 
 
 def _output(future: Future[WorkerOutput], trial: Trial, law_limit_s: float, turns: Path) -> WorkerOutput:
-    """What a worker handed back, or a failed trial that says what became of it."""
+    """What a worker handed back; if it handed back nothing, a failed trial with the reason."""
     error = future.exception()
     if error is None:
         return future.result()
@@ -173,7 +187,7 @@ def _output(future: Future[WorkerOutput], trial: Trial, law_limit_s: float, turn
 
 
 def _hung(trial: Trial, law_limit_s: float, turn: tuple[int, int] | None) -> str:
-    """That a law did not return, and whose and when if that is known."""
+    """The reason of a trial whose law did not return, with the member and the step where these are known."""
     late = f"did not return within {law_limit_s:g} s of wall time"
     if turn is None:
         return f"{_laws(trial.groups)} {late}"
@@ -200,17 +214,12 @@ def _keep(store: Store, trial: Trial, output: WorkerOutput) -> Row:
     return row
 
 
-def _warm_up(
-    pool: ProcessPool,
-    trials: Sequence[Trial],
-    run: Job,
-    ended: queue.SimpleQueue[Future[WorkerOutput] | int],
-) -> None:
-    """Runs a moment of each; whatever becomes of it, the trial itself will tell."""
-    for trial in trials:
+def _warm_up(pool: ProcessPool, work: Work, ended: Events) -> None:
+    """Runs the first moment of each trial of the warm-up. Errors are left to the trials themselves."""
+    for trial in work.warm_up:
         try:
-            future = pool.schedule(worker.warm_up, args=(trial.as_dict(), run), timeout=WARM_UP_LIMIT_S)
-        except RuntimeError:  # the pool broke, as handing out the trials will find
+            future = pool.schedule(worker.warm_up, args=(trial.as_dict(), work.run), timeout=WARM_UP_LIMIT_S)
+        except RuntimeError:  # the pool broke; handing out the trials fails in the same way
             return
         future.add_done_callback(ended.put)
         event = ended.get()
@@ -220,7 +229,7 @@ def _warm_up(
 
 @contextmanager
 def _folder() -> Iterator[Path]:
-    """A temporary folder in which workers keep whose turn it is. Raises `StorageError` if there can be none."""
+    """A temporary folder for the files in which workers note the member at work. Raises `StorageError` without one."""
     try:
         folder = tempfile.TemporaryDirectory(prefix="herd-", ignore_cleanup_errors=True)
     except OSError as error:
@@ -230,15 +239,15 @@ def _folder() -> Iterator[Path]:
 
 
 @contextmanager
-def _pool(jobs: int, prepared: tuple[Callable[[], None] | None, float, Path]) -> Iterator[ProcessPool]:
+def _pool(jobs: int, work: Work, turns: Path) -> Iterator[ProcessPool]:
     pool = ProcessPool(
         jobs,
         initializer=worker.prepare,
-        initargs=prepared,
+        initargs=(work.imports, work.law_limit_s, turns),
         context=multiprocessing.get_context("spawn"),
     )
-    # Ctrl-C in a terminal goes to all processes: only this one shall hear it. A mask is handed on to workers.
-    # The tracker first, since its start unblocks SIGINT.
+    # Ctrl-C in a terminal sends its signal to all processes, and only this one is to react: workers inherit a mask that
+    # blocks it. The resource tracker is started before, since its start unblocks SIGINT.
     resource_tracker.ensure_running()
     mask = signal.pthread_sigmask(signal.SIG_BLOCK, (signal.SIGINT, signal.SIGHUP))
     try:
@@ -254,11 +263,13 @@ def _pool(jobs: int, prepared: tuple[Callable[[], None] | None, float, Path]) ->
 
 @contextmanager
 def _signals(tell: Callable[[int], None]) -> Iterator[None]:
-    """Hands the signals that stop a batch to `tell`; only the main thread can."""
+    """Hands the signals that stop a batch to `tell`. Does nothing outside the main thread, which alone gets them."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    heeded = [number for number in STOPPING if signal.getsignal(number) != signal.SIG_IGN]  # as under nohup
+    heeded = [
+        number for number in STOPPING if signal.getsignal(number) != signal.SIG_IGN
+    ]  # SIGHUP is ignored under nohup
     before = {number: signal.signal(number, lambda got, frame: tell(got)) for number in heeded}
     try:
         yield
@@ -269,7 +280,7 @@ def _signals(tell: Callable[[int], None]) -> Iterator[None]:
 
 @contextmanager
 def _environment(values: Mapping[str, str]) -> Iterator[None]:
-    """Environment variables for the processes that are started meanwhile."""
+    """Sets environment variables for the processes that are started within it."""
     before = {name: os.environ.get(name) for name in values}
     os.environ.update(values)
     try:

@@ -1,4 +1,4 @@
-"""With what a run was made: versions, commit, processor. Equal results are promised only where these are equal."""
+"""Versions, commit and processor that a run was made with. Equal results are promised only where these are equal."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def made_with() -> dict[str, Any]:
 
 
 def differences(before: Mapping[str, Any], now: Mapping[str, Any]) -> list[str]:
-    """What of `made_with` differs and may change results, in words."""
+    """The entries of `made_with` that differ and may change results, in words."""
     old, new = before.get("versions", {}), now["versions"]
     found = [f"{name} {old.get(name)} → {new[name]}" for name in new if old.get(name) != new[name]]
     if before.get("sources") != now["sources"]:

@@ -1,4 +1,4 @@
-"""How a batch goes on: a bar with rate and estimate on a terminal, plain lines elsewhere; both on stderr."""
+"""The progress of a batch: a bar with rate and estimate on a terminal, plain lines elsewhere; both on stderr."""
 
 from __future__ import annotations
 
@@ -27,13 +27,13 @@ def shown(count: int, already: int = 0) -> Iterator[Progress]:
 
 
 class Rate:
-    """Trials a second, counted from the end of the first: before it lie imports and compilation."""
+    """Trials a second, counted from the end of the first trial: imports and compilation lie before it."""
 
     def __init__(self) -> None:
         self.kept, self.first = 0, 0.0
 
     def ended(self) -> float:
-        """One more has ended: the rate, or nan after the first."""
+        """Counts a trial that ended; returns the rate, nan after the first trial."""
         now = monotonic()
         self.kept += 1
         if self.kept == 1:
@@ -43,7 +43,7 @@ class Rate:
 
 
 class Lines:
-    """A line now and then."""
+    """Progress in plain lines, one every `LINE_EVERY_S`, and one for each failed trial."""
 
     def __init__(self, count: int, already: int) -> None:
         self.count, self.done, self.rate = count, already, Rate()
@@ -67,6 +67,8 @@ class Lines:
 
 
 class _Bar:
+    """Progress as a bar on a terminal."""
+
     def __init__(self, bar: Any, task: Any) -> None:
         self.bar, self.task, self.rate = bar, task, Rate()
 

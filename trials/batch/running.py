@@ -1,4 +1,4 @@
-"""Runs: from what is asked for to a folder with every trial in it, begun anew or taken up again."""
+"""Runs of an experiment: planned, started in a new folder, resumed, or one trial of it run for its traceback."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from flocking.errors import InputError
 from flocking.lawentry import is_path
 from trials import simulations
 from trials.batch import machine, progress, store, worker
-from trials.batch.batch import run_batch
+from trials.batch.batch import Work, run_batch
 from trials.batch.store import Row, Store
 from trials.design import DEFAULT_SEED, Plan, load, plan
 from trials.keys import AVOIDS
@@ -25,7 +25,7 @@ from trials.simulations import watch
 from trials.types import Trial
 
 SHOWN_FAILURES = 10
-"""Failed trials that the closing words list."""
+"""Failed trials that the summary at the end lists."""
 Report = Callable[[Path], str]
 """Makes the report of a run's folder and returns its table."""
 RECORD, SCANS = ("all", "first", "none"), ("some", "all")
@@ -94,7 +94,7 @@ def planned(asked: Asked) -> tuple[Plan, list[Trial]]:
 
 
 def record_of(experiment: str) -> str:
-    """Which trials of an experiment are recorded where nobody says."""
+    """Which trials of an experiment are recorded where the user does not say."""
     return str(getattr(load(experiment), "RECORD", "all"))
 
 
@@ -136,7 +136,7 @@ def start(asked: Asked, out: Path | None, jobs: int, report: Report) -> int:
     kept = store.create(folder, run, users_files(chosen))
     try:
         with store.alone(folder):
-            return _go(kept, jobs, report)
+            return _run_rest(kept, jobs, report)
     finally:
         kept.close()
 
@@ -144,8 +144,8 @@ def start(asked: Asked, out: Path | None, jobs: int, report: Report) -> int:
 def resume(folder: Path, jobs: int, report: Report) -> int:
     """Runs the trials of a run that have not ended yet; returns the exit code.
 
-    A trial that failed has ended: the table is the same as if the run had not been interrupted. One that lost its
-    worker to an accident has not.
+    A trial that failed has ended, so the table is the same as if the run had not been interrupted. A trial whose worker
+    died has not.
     """
     kept = store.opened(folder)
     try:
@@ -156,7 +156,7 @@ def resume(folder: Path, jobs: int, report: Report) -> int:
                     f"note: changed since this run began: {'; '.join(changed)}; results may differ in their last bits",
                     file=sys.stderr,
                 )
-            return _go(kept, jobs, report)
+            return _run_rest(kept, jobs, report)
     finally:
         kept.close()
 
@@ -175,11 +175,11 @@ def debug(asked: Asked) -> int:
     _, (trial,) = planned(asked)
     faulthandler.enable()
     watch.arm()
-    faulthandler.register(signal.SIGALRM, chain=True)  # a law that never returns: its traceback, and the end
+    faulthandler.register(signal.SIGALRM, chain=True)  # where a law never returns: prints its traceback, then ends
     print(f"trial {trial.index}: seed {trial.seed}, repeat {trial.repeat}, {conditions(trial)}", flush=True)
     try:
         output = run_packed(trial.as_dict(), asked.scans, (asked.record or record_of(asked.experiment)) != "none")
-        if output.status != "done":  # the loop made it a failed result; once more, to see where
+        if output.status != "done":  # run once more with its error raised, to see where
             simulations.run_trial(trial, reraise=True)
     except Exception:
         traceback.print_exc()
@@ -209,16 +209,19 @@ def users_files(trials: Sequence[Trial]) -> dict[str, str]:
 
 
 def kinds(trials: Sequence[Trial]) -> list[Trial]:
-    """One trial for each set of code that takes part, so that all of it can be compiled beforehand."""
+    """One trial for each combination of laws, pipelines and the like: running these compiles all code beforehand."""
     found: dict[Any, Trial] = {}
     for trial in trials:
-        code = tuple((g.pipeline, g.selection, g.law, g.law_source, _names_in(g.setup)) for g in trial.groups)
+        code = tuple(
+            (trial.simulation, trial.world, g.pipeline, g.selection, g.law, g.law_source, _names_in(g.setup))
+            for g in trial.groups
+        )
         found.setdefault(code, trial)
     return list(found.values())
 
 
 def _names_in(setup: Mapping[str, Any]) -> tuple[tuple[str, str], ...]:
-    """What of a setup is text: the names of bodies, of settings and of ways to sense."""
+    """The entries of a setup that are text: names of bodies, of settings and of ways to sense."""
     return tuple(sorted((key, value) for key, value in setup.items() if isinstance(value, str)))
 
 
@@ -233,8 +236,8 @@ def ranges(indices: Sequence[int], between: str = ",") -> str:
     return between.join(str(a) if a == b else f"{a}-{b}" for a, b in parts)
 
 
-def _go(kept: Store, jobs: int, report: Report) -> int:
-    """Runs the trials that have no row yet, or lost their worker to an accident."""
+def _run_rest(kept: Store, jobs: int, report: Report) -> int:
+    """Runs the trials that have no row yet or whose worker died, and reports; returns the exit code."""
     trials = kept.trials
     record, scans = kept.run.get("record"), kept.run.get("scans")
     if record not in RECORD or scans not in SCANS:
@@ -255,10 +258,12 @@ def _go(kept: Store, jobs: int, report: Report) -> int:
                 kept,
                 shown,
                 jobs=jobs,
-                scans=scans,
-                recorded=frozenset(trial.index for trial in recorded),
-                imports=worker.imports_of(left),
-                warm_up=kinds(left),
+                work=Work(
+                    scans=scans,
+                    recorded=frozenset(trial.index for trial in recorded),
+                    imports=worker.imports_of(left),
+                    warm_up=kinds(left),
+                ),
             )
         stopped, new = summary.stopped, len(summary.rows)
     rows = kept.rows()
@@ -274,15 +279,15 @@ def _go(kept: Store, jobs: int, report: Report) -> int:
 
 
 def _close(kept: Store, rows: Sequence[Row], new: int, seconds: float, report: Report) -> None:
-    """The report's table and the closing words, which stand even if there is no making a report."""
+    """Prints the report's table and the summary; the summary also where the report cannot be made."""
     try:
         print(report(kept.folder))
     finally:
-        print("\n".join(["", *_closing(kept, rows, new, seconds)]))
+        print("\n".join(["", *_summary(kept, rows, new, seconds)]))
 
 
-def _closing(kept: Store, rows: Sequence[Row], new: int, seconds: float) -> list[str]:
-    """What was run, what failed, where everything is."""
+def _summary(kept: Store, rows: Sequence[Row], new: int, seconds: float) -> list[str]:
+    """Lines on what was run, what failed, and where everything is."""
     folder = kept.folder
     failed = [row for row in rows if row.status != "done"]
     done = f"{len(rows) - len(failed)} done, {len(failed)} failed"

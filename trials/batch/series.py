@@ -21,7 +21,7 @@ from trials.types import Contacts, Trial, TrialResult, Updates
 
 FORMAT = 2
 HEAD = "result.json"
-"""The entry of the zip that holds the trial and everything that is no array."""
+"""The entry of the zip file with the trial and everything that is no array."""
 
 _LEFT_OUT = ("scans", "timing")
 _PARTS = {"updates": Updates, "contacts": Contacts}
@@ -31,7 +31,7 @@ _ARRAYS = tuple(
 )
 _ZIP_TIME = (1980, 1, 1, 0, 0, 0)
 _LEVEL = 1
-"""Of deflate. Higher levels save little on noisy floats and cost a trial several percent of its time."""
+"""Level of compression. Higher levels save little on noisy floats and cost a trial several percent of its time."""
 
 
 def pack(result: TrialResult) -> bytes:

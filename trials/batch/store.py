@@ -1,9 +1,9 @@
-"""A run's folder: what was asked for, a row a trial, its series and its recording.
+"""A run's folder: what was asked for, and for each trial a row, its series and its recording.
 
     run.json            what was asked for and with what it ran: all that is needed to run it again
     results.sqlite      table `trials`: one row a trial as it ends; table `timing` apart
-    series/0001.npz     trials.batch.series
-    recordings/0001.rrd trials.simulations.robots.recordings
+    series/0001.npz     the trial's time series, as trials.batch.series packs them
+    recordings/0001.rrd for the Rerun viewer, as the trial's simulation writes it
     code/               users' files that took part
 
 Only one process writes. A trial's series comes first, then its recording (each to a temporary file that is
@@ -49,11 +49,11 @@ CREATE TABLE timing (
 
 
 class StorageError(InputError):
-    """The disk's trouble, not a trial's: the batch stops, and what was stored is kept."""
+    """The disk does not take a file. No trial is at fault: the batch stops, and what was stored is kept."""
 
 
 DIED = "its worker process died"
-"""How the reason of a trial begins that was lost to an accident: resuming runs it again, in place of this row."""
+"""How the reason of a trial whose worker died begins. Resuming runs such a trial again and replaces its row."""
 
 
 @dataclass(frozen=True)
@@ -109,7 +109,7 @@ class Store:
             return {index: {"seconds": seconds, **json.loads(parts)} for index, seconds, parts in rows}
 
     def series(self, index: int) -> TrialResult:
-        """The time series of a trial. Raises `InputError` if it left none."""
+        """The time series of a trial. Raises `InputError` if it has none."""
         from trials.batch.series import unpack
 
         path = self.folder / SERIES / f"{index:04d}.npz"
@@ -182,7 +182,7 @@ def create(folder: Path, run: Mapping[str, Any], code: Mapping[str, str]) -> Sto
         )
     try:
         return _create(folder, run, code)
-    except BaseException:  # what stands half-made is ours: none of it was there before
+    except BaseException:  # none of these files was there before: the unfinished run is removed
         for name in (RUN, RESULTS, SERIES, RECORDINGS, CODE):
             path = folder / name
             with suppress(OSError):
@@ -207,7 +207,7 @@ def _create(folder: Path, run: Mapping[str, Any], code: Mapping[str, str]) -> St
 
 
 def opened(folder: Path) -> Store:
-    """A run's folder that exists. Raises `InputError` if it is none, is damaged or is of a newer version."""
+    """Opens the folder of a run. Raises `InputError` if it is none, is damaged or is of another version."""
     run = _read_run(folder)
     path = folder / RESULTS
     if not path.is_file():
@@ -259,7 +259,7 @@ def next_folder(experiment: str, base: Path = Path("runs")) -> Path:
 
 @contextmanager
 def alone(folder: Path) -> Iterator[None]:
-    """Holds the run for this process, and clears away what a killed one left half-written.
+    """Locks the run for this process, and removes the temporary files of a process that was killed.
 
     Raises `InputError` if another process is running trials into it.
     """
@@ -283,7 +283,7 @@ def alone(folder: Path) -> Iterator[None]:
 
 
 def write_whole(path: Path, data: bytes) -> None:
-    """Writes a file so that it is there whole or not at all. Raises `StorageError`."""
+    """Writes a file so that it is there whole or not at all. Raises `StorageError` if the disk does not take it."""
     temporary = path.with_name(f".{path.name}.{os.getpid()}")
     with _writing(path):
         try:
@@ -329,7 +329,7 @@ def _of_another_version(path: Path, run: Mapping[str, Any], version: object) -> 
 
 
 def _run_text(run: Mapping[str, Any]) -> str:
-    """run.json: indented, but a line a trial."""
+    """The text of run.json: indented, with each trial on one line."""
     head = json.dumps({name: value for name, value in run.items() if name != "trials"}, indent=2, ensure_ascii=False)
     trials = ",\n".join(f"    {json.dumps(trial, ensure_ascii=False)}" for trial in run["trials"])
     return f'{head[:-2]},\n  "trials": [\n{trials}\n  ]\n}}\n'

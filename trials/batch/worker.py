@@ -1,4 +1,4 @@
-"""What a worker process does: one trial, handed back as a row and files in bytes. It keeps nothing itself."""
+"""What a worker process does: it runs a trial and hands back its row, and its files as bytes. It writes no files."""
 
 from __future__ import annotations
 
@@ -45,36 +45,37 @@ class WorkerOutput:
     series: bytes | None = None
     recording: bytes | None = None
     timing: Mapping[str, float] = field(default_factory=dict)
-    """s; `seconds` is the whole."""
+    """Wall time by part, s; `seconds` is that of the whole trial."""
 
 
 Job = Callable[[dict[str, Any], str, bool], WorkerOutput]
 """(trial as a dict, scans, whether to record) → output; a module's function, so that workers can import it."""
 
 
-def prepare(fill: Callable[[], None] | None, law_limit_s: float, turns: Path) -> None:
-    """At the start of a worker: it dies at once when told to, with its parent, or by its watch; imports what is big.
+def prepare(imports: Callable[[], None] | None, law_limit_s: float, turns: Path) -> None:
+    """Prepares a worker before its first trial: arms its watch and imports what trials need.
 
-    In the folder `turns` it keeps whose turn it is.
+    From then on it ends at once at SIGTERM, when its parent ends, and when a law does not return within `law_limit_s`.
+    In a file of the folder `turns` it notes the member at work.
     """
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     watch.arm(law_limit_s, turns)
     if sys.platform == "linux":
         ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
-    if fill is not None:
+    if imports is not None:
         try:
-            fill()
-        except Exception:  # the trial will say it
+            imports()
+        except Exception:  # the trial meets the same error, and reports it
             return
 
 
 def imports_of(trials: Sequence[Trial]) -> Callable[[], None]:
-    """What a worker imports before it runs these trials."""
-    return partial(prepared_for, sorted({trial.simulation for trial in trials}))
+    """The imports of a worker that is to run these trials."""
+    return partial(import_for, sorted({trial.simulation for trial in trials}))
 
 
-def prepared_for(names: Sequence[str]) -> None:
-    """Imports all that trials of these simulations need."""
+def import_for(names: Sequence[str]) -> None:
+    """Imports all that trials of the simulations of these names need."""
     import trials.batch.series  # noqa: F401
 
     for name in names:
@@ -82,7 +83,7 @@ def prepared_for(names: Sequence[str]) -> None:
 
 
 def attempt(run: Job, trial: dict[str, Any], scans: str, record: bool) -> WorkerOutput:
-    """What `run` gives; an exception makes the trial a failed one. Raises only `StorageError`."""
+    """The output of `run`; an exception makes the trial a failed one. Raises only `StorageError`."""
     started = perf_counter()
     try:
         output = run(trial, scans, record)
@@ -94,11 +95,10 @@ def attempt(run: Job, trial: dict[str, Any], scans: str, record: bool) -> Worker
 
 
 def run_packed(trial: dict[str, Any], scans: str, record: bool) -> WorkerOutput:
-    """Runs a trial and packs what it gave.
+    """Runs a trial and packs its result.
 
     Raises what the trial raises, and `StorageError` if the temporary folder does not take its recording.
     """
-    from trials import simulations
     from trials.batch import series
 
     result = simulations.run_trial(Trial.from_dict(trial), scans=scans if record else "none")
@@ -111,13 +111,13 @@ def run_packed(trial: dict[str, Any], scans: str, record: bool) -> WorkerOutput:
 
 
 def warm_up(trial: dict[str, Any], run: Job) -> None:
-    """Fills the compiled cache: a moment of the trial. What fails here will say so in its trial."""
+    """Runs the first moment of a trial, so that its code is compiled. Errors are left to the trial itself."""
     whole = Trial.from_dict(trial)
     attempt(run, simulations.of(whole).moment(whole).as_dict(), "none", False)
 
 
 def told(error: BaseException) -> str:
-    """An exception in one line: what, and where it arose."""
+    """An exception in one line: its type, its message, and where it arose."""
     last = traceback.extract_tb(error.__traceback__)[-1:]
     where = f" ({Path(last[0].filename).name}, line {last[0].lineno})" if last else ""
     words = one_line(str(error))

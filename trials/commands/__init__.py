@@ -1,1 +1,1 @@
-"""The `herd` command: a file for each family of sub-commands, and what their options mean."""
+"""The `herd` command: a file for each family of sub-commands, and one that reads their options."""

@@ -1,4 +1,4 @@
-"""The `herd` command. Nothing heavy is imported before it is needed: `herd --help` answers at once."""
+"""The `herd` command. Large modules are imported where they are needed, so that `herd --help` answers at once."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ app = typer.Typer(
 
 
 def _whole(low: int, high: int | None = None) -> Callable[[str], int]:
-    """A reader of whole numbers from `low` on that says what it was given."""
+    """A parser of whole numbers from `low` to `high`, whose error repeats the text that it was given."""
 
     def read(text: str) -> int:
         try:
@@ -256,7 +256,7 @@ def main() -> int:
         return 130
     except typer.TyperException as error:
         return _refuse(_told(error.format_message()))
-    except BrokenPipeError:  # whoever read our output has had enough
+    except BrokenPipeError:  # the reader of the output has closed it, as `head` does
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
     except OSError as error:
@@ -266,7 +266,7 @@ def main() -> int:
 
 
 def _told(message: str) -> str:
-    """A usage error of Typer's in our words."""
+    """A usage error of Typer in the words of this command."""
     if message.startswith("No such command") and "Did you mean" not in message:
         message += f" Valid: {', '.join(command.name or '' for command in _commands())}."
     return message.replace("Value error, ", "")

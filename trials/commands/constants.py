@@ -1,7 +1,7 @@
-"""Constants that no key sets: the machines' and the controller's numbers, read from the sources with their remarks.
+"""Constants that no key sets, such as those of the machines and of the controller, read with their remarks.
 
-Each stands once, in the module that it belongs to, as `NAME = value  # remark` or with a docstring below it. Graded
-remarks: P a primary document, C published code, S a secondary page, D derived, ? a choice.
+Each is defined once, in the module to which it belongs, as `NAME = value  # remark` or with a docstring below it. The
+grades in remarks: P a primary document, C published code, S a secondary page, D derived, ? a choice.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
-"""A user's law tried out before a batch starts, in a process of its own that can be stopped.
+"""The check of a user's law before a batch starts, in a process of its own that can be stopped.
 
 The law is called on a handful of situations, first as written, then compiled: a file that does not parse, lacks its
 function, has values or selections that cannot be, returns something else than a `Motion` or numbers that are not
-finite, indexes out of bounds or never returns is refused in one line. It is given what it says that it needs and nan
-for the rest, as it would be on robots that see no more.
+finite, indexes out of bounds or never returns is refused in one line. The law is given what it declares to need, and
+nan for the rest, as on robots that sense no more.
 """
 
 from __future__ import annotations
@@ -68,13 +68,13 @@ def check(path: str) -> None:
 
 
 def check_all(asked: Asked) -> None:
-    """Tries out each law that is a file of the user's own, in a process that can be stopped."""
+    """Checks each law that is a file of the user's own."""
     for path in users_laws(asked):
         check(path)
 
 
 def _listen(stream: IO[str] | None, lines: queue.SimpleQueue[str | None]) -> None:
-    """Hands on each line as it comes, and None at the end."""
+    """Puts each line of the stream into the queue as it comes, and None at the end."""
     assert stream is not None
     for line in stream:
         lines.put(line.rstrip("\n"))
@@ -82,7 +82,7 @@ def _listen(stream: IO[str] | None, lines: queue.SimpleQueue[str | None]) -> Non
 
 
 class Call(NamedTuple):
-    """One call of the law but for its memory, which each call begins anew."""
+    """What one call of the law is given, and the size of its memory, which is empty at each call."""
 
     case: str
     inputs: tuple[Any, ...]
@@ -91,7 +91,7 @@ class Call(NamedTuple):
 
 
 def situations() -> dict[str, np.ndarray]:
-    """Positions (M, 2) of neighbours that any law must bear."""
+    """Positions (M, 2) of neighbours with which every law must cope, by name."""
     rng = np.random.default_rng(0)
     return {
         "no neighbour": np.empty((0, 2)),
@@ -105,7 +105,7 @@ def situations() -> dict[str, np.ndarray]:
 
 
 def try_out(path: str) -> None:
-    """In the process of its own: raises `InputError` at the first fault, prints each stage as it begins."""
+    """Runs in the separate process: prints each stage as it begins, and raises `InputError` at the first fault."""
     from flocking import lawentry
 
     source = lawentry.read_source(path)
@@ -120,7 +120,7 @@ def try_out(path: str) -> None:
 def _values(module: ModuleType, path: str) -> list[Any]:
     """The parameters' defaults, and their values for Creates where these differ.
 
-    Each must be within its bounds, and all as the law's relations have it.
+    Raises `InputError` for values out of bounds, or that the law's relations forbid together.
     """
     from flocking import lawentry
     from flocking.parameters import declared, filled
@@ -138,7 +138,7 @@ def _values(module: ModuleType, path: str) -> list[Any]:
 
 
 def _calls(module: ModuleType, parameters: Any, path: str) -> list[Call]:
-    """What the law is called with, one for each situation and, where it draws, for low and high draws too."""
+    """The calls of the law: in each situation with middling, the lowest and the highest random numbers."""
     from flocking import lawentry, selection
     from flocking.parameters import declared
     from flocking.types import NO_OBSTACLES, Members, Obstacles, Own, unknown
@@ -182,7 +182,7 @@ def _calls(module: ModuleType, parameters: Any, path: str) -> list[Call]:
 
 
 def _try(function: Callable[..., object], how: str, calls: list[Call], module: ModuleType, path: str) -> None:
-    """Calls the law. Raises `InputError` for a call that fails or gives what it must not."""
+    """Makes the calls. Raises `InputError` for one that fails or returns what is no motion."""
     rules = tuple(getattr(module, "RULES", ("law",)))
     for call in calls:
         print(f"{_STAGE}{how}member 1 with {call.case}", flush=True)

@@ -1,7 +1,7 @@
-"""`herd laws`: what the laws' files say of their publications, as Fine 2015 tables it, and one law in full.
+"""`herd laws`: what the laws' files say of their publications, in the tables of Fine 2015, and one law in full.
 
 Completeness (section 3.1) is whether every stage of a law is defined; precision whether what is printed can be right.
-Where a law's file had to fill something in, its row is marked by the stage; what follows the tables says how.
+Where a law's file fills in what was left open, its row has the letter of the stage; the text below the tables says how.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ LEGEND = (
 )
 
 PLAIN_WIDTH = 100
-"""Characters of a line where no terminal says."""
+"""Characters of a line where there is no terminal."""
 SHORT = {
     "homogeneous": "homo.",
     "heterogeneous": "hetero.",
@@ -54,11 +54,11 @@ SHORT = {
     "bounded free": "b. free",
     "periodic free": "per. free",
 }
-"""For terminals narrower than the tables."""
+"""Short words for terminals that are narrower than the tables."""
 
 
 class Table(NamedTuple):
-    """Rows of text beneath a head."""
+    """Rows of text below a row of headings."""
 
     title: str
     head: tuple[str, ...]
@@ -92,12 +92,12 @@ def tables(names: Sequence[str] = ()) -> list[Table]:
 
 
 def filled_in(law: ModuleType) -> tuple[Filled, ...]:
-    """What a law's file says that it filled in."""
+    """What a law's file fills in of what its publication left open or misprinted."""
     return tuple(getattr(law, "FILLED", ()))
 
 
 def one_law(name: str) -> str:
-    """A law in full. Raises `InputError`; a user's own file is tried out first."""
+    """A law in full. Raises `InputError`; a user's own file is checked first."""
     name = name.removesuffix("+")
     if lawentry.is_path(name):
         from trials.commands.lawcheck import check
@@ -164,7 +164,7 @@ def one_law(name: str) -> str:
 
 
 def plain(table: Table) -> str:
-    """A table for a file or a pipe: aligned columns, a line a row."""
+    """A table for a file or a pipe: aligned columns, a line for each row."""
     lines = [table.head, *table.rows] if any(table.head) else table.rows
     widths = [max(len(line[column]) for line in lines) for column in range(len(table.head))]
     text = ["  ".join(f"{cell:{w}}" for cell, w in zip(line, widths, strict=True)).rstrip() for line in lines]
@@ -184,7 +184,7 @@ def paragraphs(table: Table, width: int) -> str:
 
 
 def printed(shown: Sequence[Table], told: Table | None = None) -> str:
-    """Tables for whoever reads standard output, drawn on a terminal and plain elsewhere; `told` in paragraphs."""
+    """Tables for standard output, drawn on a terminal and plain elsewhere; `told` follows in paragraphs."""
     if sys.stdout is None or not sys.stdout.isatty():
         return "\n\n".join([*map(plain, shown), LEGEND, *([paragraphs(told, PLAIN_WIDTH)] if told else [])])
     from rich import box
@@ -236,7 +236,7 @@ def _of_selections(law: ModuleType) -> frozenset[str]:
 
 
 def _on_creates(law: ModuleType) -> str:
-    """Which pipelines give what it needs, and what association must add."""
+    """The pipelines that give what the law needs, alone or with association."""
     sets = selection.parse_sets("all", lawentry.sets_of(law), declared(law.Parameters))
     if any(chosen.step is Step.GRAPH for steps in sets for chosen in steps):
         return "with ids in place of its graph, as in fixed-set(0, 1, 2), and pipeline perfect"

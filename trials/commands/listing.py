@@ -1,4 +1,4 @@
-"""What there is and what a run will do, as text for the terminal."""
+"""`herd list` and `herd show` as text for the terminal: what there is, and what a run will do."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ from trials.design import experiments
 from trials.types import Trial
 
 SHOWN_TRIALS = 12
-"""First trials of a long list that are shown; the last one follows."""
+"""Number of trials of a long list that are shown from its beginning, before the last one."""
 BY_FILES: Mapping[str, Callable[[], dict[str, str]]] = {
     "experiments": experiments,
     "laws": lambda: found.modules("flocking.laws"),
     "pipelines": lambda: found.modules("sensing.pipelines"),
 }
-"""Kinds whose names are files: their docstrings are read without running them."""
+"""Kinds that are a file each: their docstrings are read without running the files."""
 KINDS = ["experiments", "laws", "pipelines", "selections", "formations", "bodies", "worlds"]
 
 
@@ -82,12 +82,12 @@ def _sentence(paragraph: str) -> str:
 
 
 def _opening(docstring: str) -> str:
-    """Its first sentence, without the last full stop."""
+    """The first sentence of a docstring, without its full stop."""
     return _sentence(" ".join(docstring.partition("\n\n")[0].split()))
 
 
 def _first_sentence(module: str) -> str:
-    """Of a module's docstring, read without running the module."""
+    """The first sentence of a module's docstring, read without running the module."""
     spec = importlib.util.find_spec(module)
     if spec is None or spec.origin is None:
         return ""

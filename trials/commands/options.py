@@ -1,4 +1,4 @@
-"""What stands behind options of the command line, as text: settings, sweeps and selections of trials."""
+"""Reads the text of options of the command line: settings, sweeps and selections of trials."""
 
 from __future__ import annotations
 

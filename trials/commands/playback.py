@@ -16,7 +16,7 @@ from flocking.errors import InputError
 from trials.batch.running import ranges
 
 LOOPBACK = "127.0.0.1"
-"""The viewer's servers listen on all addresses unless told otherwise; nobody else shall see them."""
+"""The viewer's servers would listen on all addresses by default, where others could reach them."""
 STARTING_S = 20.0
 """How long the web server may take to answer."""
 
@@ -70,7 +70,7 @@ def viewer_command(path: Path, port: int, web_port: int | None) -> list[str]:
 
 
 def web_address(port: int, web_port: int) -> str:
-    """Where the browser finds the viewer, and in it the recording."""
+    """The URL of the viewer with the recording, for the browser."""
     return f"http://{LOOPBACK}:{web_port}/?url={quote(f'rerun+http://{LOOPBACK}:{port}/proxy', safe='')}"
 
 
@@ -98,7 +98,7 @@ def _serve(path: Path) -> None:
 
 
 def _await(process: subprocess.Popen[bytes], port: int) -> None:
-    """Returns once the port answers."""
+    """Returns when the port answers. Raises `InputError` if it does not in time."""
     until = time.monotonic() + STARTING_S
     while time.monotonic() < until and process.poll() is None:
         try:
@@ -128,13 +128,13 @@ def _end(process: subprocess.Popen[bytes]) -> None:
 
 
 def _started(command: list[str]) -> subprocess.Popen[bytes]:
-    # The viewer sends usage statistics unless it takes the machine for one of continuous integration.
+    # The viewer sends usage statistics unless the variable CI is set, as on machines for continuous integration.
     quiet = {"CI": "1", "RUST_LOG": os.environ.get("RUST_LOG", "error")}
     return subprocess.Popen(command, env=os.environ | quiet)
 
 
 def _program() -> list[str]:
-    """The viewer's own program; its Python wrapper would leave it running when it is ended itself."""
+    """The viewer's own program: the Python wrapper around it would leave it running when the wrapper is ended."""
     found = importlib.util.find_spec("rerun_cli")
     for folder in (found.submodule_search_locations or []) if found else []:
         for name in ("rerun", "rerun.exe"):

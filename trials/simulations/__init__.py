@@ -1,4 +1,4 @@
-"""The ways to run a trial: a folder each, found by its `simulation.py` and imported only where a trial asks for it."""
+"""Simulations, the ways to run a trial: each a folder with a `simulation.py`, imported only where a trial names it."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from pathlib import Path
 from flocking import found
 from flocking.errors import unknown_name
 from trials.simulations.contract import Simulation
-from trials.simulations.groups import check_names, check_setup
+from trials.simulations.groups import check_given, check_groups
 from trials.types import Measure, Trial, TrialResult
 
 
 def names() -> list[str]:
-    """All simulations."""
+    """The names of all simulations."""
     return sorted(found.folders(__name__, "simulation"))
 
 
@@ -36,24 +36,28 @@ def named(name: str) -> Simulation:
 
 def check(trial: Trial) -> None:
     """Refuses, before anything is run, a trial whose names and numbers do not fit one another: `InputError`."""
-    check_names(trial)
-    check_setup(trial, of(trial).keys_of)
-    of(trial).check(trial)
+    own = of(trial)
+    check_groups(trial, own.keys_of)
+    check_given(trial, own.keys_of)
+    own.check(trial)
 
 
 def settled(trial: Trial) -> Trial:
-    """`trial` with the values written down that its names stand for, so that its run's folder tells them."""
+    """`trial` with the values that its names stand for written into it, so that its run's folder records them."""
     return of(trial).settled(trial)
 
 
 def run_trial(trial: Trial, scans: str = "none", reraise: bool = False) -> TrialResult:
     """Runs one trial and measures it; the same `Trial` gives the same result.
 
-    `scans`: which scans to keep for a recording: `none`, `some` (2 Hz) or `all`. They do not change the result. What
-    goes wrong makes it a failed one, which says why and keeps what was measured until then; with `reraise` the error
-    is raised instead. Raises `InputError` for a trial that cannot be set up.
+    `scans`: which scans to keep for a recording: `none`, `some` (2 Hz) or `all`. They do not change the result. An
+    error makes the trial a failed one, with its reason and what was measured until then; with `reraise` the error is
+    raised instead. Raises `InputError` for a trial that cannot be set up.
     """
-    return of(trial).run_trial(trial, scans, reraise)
+    own = of(trial)
+    check_groups(trial, own.keys_of)
+    check_given(trial, own.keys_of)
+    return own.run_trial(trial, scans, reraise)
 
 
 def record(result: TrialResult, path: Path) -> None:
@@ -67,7 +71,7 @@ def measures_of(trials: Sequence[Trial]) -> Mapping[str, Measure]:
 
 
 def key_measures_of(trials: Sequence[Trial]) -> tuple[str, ...]:
-    """Of these, those that a first look at a report needs."""
+    """The measures of trials of one simulation that a first look at a report needs."""
     return of(trials[0]).key_measures if trials else ()
 
 

@@ -19,7 +19,7 @@ class KeysOf(Protocol):
 
 @dataclass(frozen=True)
 class Simulation:
-    """The functions and tables of a simulation. All that raise for what a user gave raise `InputError`."""
+    """The functions and tables of a simulation. Functions that refuse what a user gave raise `InputError`."""
 
     keys_of: KeysOf
     """The sections of declared parameters: those of the trial, or those of a group. Values that are no fields of
@@ -27,11 +27,11 @@ class Simulation:
     check: Callable[[Trial], None]
     """Refuses, before anything is run, a trial whose names and numbers do not fit one another."""
     settled: Callable[[Trial], Trial]
-    """The trial with the values written down that its names stand for, so that its run's folder tells them."""
+    """The trial with the values that its names stand for written into it, so that its run's folder records them."""
     run_trial: Callable[[Trial, str, bool], TrialResult]
-    """(trial, scans to keep: none, some or all; whether to raise what goes wrong) → what was measured."""
+    """(trial; scans to keep: none, some or all; whether to raise errors) → what was measured."""
     record: Callable[[TrialResult, Path], None]
-    """Writes the recording of a finished trial, with its screen."""
+    """Writes the recording of a finished trial, with its layout in the viewer."""
     measures: Mapping[str, Measure]
     """Unit and meaning of every measure, in the order in which they are shown."""
     key_measures: tuple[str, ...]
@@ -39,13 +39,13 @@ class Simulation:
     limit_s: Callable[[Trial], float]
     """Wall time (s) after which a trial counts as hung: some hundred times what it takes."""
     moment: Callable[[Trial], Trial]
-    """The first moment of a trial, for whatever wants its code run quickly."""
+    """The trial shortened to its first moment: running it takes all its code into use within a short time."""
     prepare: Callable[[], None]
     """Imports all that a trial needs, in a worker before its first trial."""
     at_step: Callable[[Trial, int], str]
-    """When a step is, in words: `at 0.50 s`."""
+    """A step as a moment in words: `at 0.50 s`."""
     listed: Callable[[str], Mapping[str, object]]
-    """(kind: `bodies`, `worlds` or `formations`) → by the name that `herd list` shows, what its docstring tells of."""
+    """(kind: `bodies`, `worlds` or `formations`) → by the name that `herd list` shows, an object with a docstring."""
     constants: Callable[[Trial], list[str]]
     """Modules whose constants `herd show` lists with a trial."""
     has_scans: bool = False
@@ -53,4 +53,4 @@ class Simulation:
     world_xml: Callable[[Trial], str] | None = None
     """The trial's world as MJCF; None if there is none."""
     headings: Mapping[str, str] = field(default_factory=dict)
-    """The measures of the terminal's table, and their headings; where there are none: the key measures."""
+    """The measures of the table on a terminal, with their headings; empty: the key measures."""

@@ -1,4 +1,4 @@
-"""One recording's file: opened, given its layout and its name, and whole when it is closed."""
+"""The file of a recording: it gets its layout and its name when it is opened, and is complete when it is closed."""
 
 from __future__ import annotations
 
@@ -29,12 +29,12 @@ def opened(trial: Trial, path: Path, blueprint: rrb.Blueprint) -> Iterator[rr.Re
         )
         try:
             recording.save(path)
-            recording.send_blueprint(blueprint)  # active: an older layout must not stay
+            recording.send_blueprint(blueprint)  # in place of the layout that the viewer may remember
             recording.send_recording_name(f"{trial.experiment} {trial.index}")
             yield recording
             recording.flush()
             recording.disconnect()
-        except RuntimeError as error:  # what the writing thread says of a full disk or a missing folder
+        except RuntimeError as error:  # how Rerun reports a full disk or a missing folder
             raise OSError(f"cannot write {path}: {error}") from error
     finally:
         rr.set_strict_mode(strict)
@@ -45,6 +45,6 @@ def opened(trial: Trial, path: Path, blueprint: rrb.Blueprint) -> Iterator[rr.Re
 
 
 def recording_id(trial: Trial) -> str:
-    """The same for the same trial, different for different ones: the viewer merges recordings of one id."""
+    """The same for equal trials, different for others: the viewer merges recordings of one id."""
     content = json.dumps(trial.as_dict(), sort_keys=True, default=str).encode()
     return f"{trial.experiment}-{trial.index:04d}-{hashlib.blake2b(content, digest_size=6).hexdigest()}"

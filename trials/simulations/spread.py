@@ -1,6 +1,7 @@
 """Heterogeneous groups: a law's parameters drawn anew for each member, `herd.spread.NAME` to either side.
 
-Fine 2015, table 3.2 (composition) tells homogeneous from heterogeneous groups; how wide a group spreads is the user's.
+Fine 2015, table 3.2 (composition) tells homogeneous from heterogeneous groups; how wide a group spreads is for the user
+to set.
 """
 
 from __future__ import annotations
@@ -27,10 +28,10 @@ def section_of(group: Group) -> Section:
 
 
 def parameters(trial: Trial, number: int, member: int, usual: Mapping[str, Any]) -> dict[str, Any]:
-    """The law's parameters of one member of a trial's group of that number, from those that are `usual` in it.
+    """The law's parameters of one member of the trial's group of that number; `usual`: the group's own.
 
     A value stays within its parameter's bounds; whole numbers are rounded. Raises `InputError`, naming the spread, for
-    values that the law's relations rule out together.
+    values that the law's relations forbid together.
     """
     group = trial.groups[number]
     law = lawentry.module_of(group.law, group.law_source)
@@ -51,7 +52,7 @@ def parameters(trial: Trial, number: int, member: int, usual: Mapping[str, Any])
 
 
 def check(trial: Trial, number: int, usual: Mapping[str, Any]) -> None:
-    """Refuses the spread of a trial's group if it gives any member values that its law's relations rule out."""
+    """Refuses the spread of a trial's group if any member gets values that the law's relations forbid."""
     group = trial.groups[number]
     if group.spread and lawentry.relations_of(lawentry.module_of(group.law, group.law_source)):
         for member in range(group.count):

@@ -1,4 +1,4 @@
-"""The ways of a trial's members, cut where they cross the border of a periodic world."""
+"""The paths of a trial's members, cut where they cross the border of a periodic world."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ def period_of(result: TrialResult) -> float | None:
 
 
 def strips(positions: Floats, period: float | None) -> tuple[NDArray[np.float32], Ints]:
-    """The ways from moment to moment of positions (T, N, 2): strips (K, 2, 2) and how many are of each of the T − 1.
+    """Positions (T, N, 2) as straight pieces (K, 2, 2) from moment to moment, and how many belong to each of the T − 1.
 
-    In periodic space those that cross the border are left out.
+    In periodic space the pieces that cross the border are left out.
     """
     pairs = np.stack([positions[:-1], positions[1:]], axis=2)
     kept: Bools = np.ones(pairs.shape[:2], dtype=np.bool_)

@@ -1,8 +1,8 @@
-"""A watch over what may never return: a law in compiled code, which no Python code can interrupt.
+"""A watch over laws, which may never return: they are compiled, and Python code cannot interrupt compiled code.
 
-A worker process that is armed ends itself by SIGALRM, whose default is carried out without Python, when more than its
-limit has passed since it last breathed. Everywhere else breathing does nothing: nobody's notebook is ended.
-Next to nothing is compiled while the watch is on, so that it measures laws and not this machine.
+A worker process that is armed is ended by SIGALRM, whose default action needs no Python, when more than its limit of
+wall time has passed since the last call of `breathe`. In a process that is not armed, such as a user's notebook,
+`breathe` does nothing. Hardly any code is compiled while the watch is on, so that the limit applies to laws alone.
 """
 
 from __future__ import annotations
@@ -19,19 +19,20 @@ import numpy as np
 from flocking.types import Ints
 
 STEP_LIMIT_S = 30.0
-"""Wall time from one breath to the next: a piece of a kinematic trial is made to take 0.2 s, a robot's update takes
-some 0.0001 s."""
+"""Wall time from one call of `breathe` to the next: a piece of a kinematic trial is made to take 0.2 s, a robot's
+update takes some 0.0001 s."""
 NOBODY = -1
 _SIZE = 3
-"""Whole numbers of a turn."""
+"""Whole numbers in `turn`."""
 
 _limit_s = 0.0
 turn: Ints = np.zeros(_SIZE, np.int64)
-"""Steps done before, the step since then, and the member at work. The parent can read an armed worker's."""
+"""The steps done before the current piece of work, the step within it, and the member at work. In an armed worker this
+is the content of a file, which the parent can read."""
 
 
 def arm(limit_s: float = STEP_LIMIT_S, folder: Path | None = None) -> None:
-    """Makes this process end when its work hangs; whose turn it was then stands in a file of the folder."""
+    """Makes this process end when its work hangs. A file of the folder, named by its process id, holds its `turn`."""
     global _limit_s, turn
     _limit_s = limit_s
     signal.signal(signal.SIGALRM, signal.SIG_DFL)
@@ -41,12 +42,12 @@ def arm(limit_s: float = STEP_LIMIT_S, folder: Path | None = None) -> None:
                 file.write(np.array([0, 0, NOBODY], np.int64).tobytes())
                 file.flush()
                 turn = np.frombuffer(mmap.mmap(file.fileno(), 0), np.int64)
-        except OSError:  # a full disk: then nobody is named
+        except OSError:  # a full disk: no member will be named
             return
 
 
 def whose(folder: Path, pid: int | None) -> tuple[int, int] | None:
-    """The steps done before, and the member at work, in a worker that has ended; None if nobody was."""
+    """The steps done and the member at work when a worker ended; None if no member was at work."""
     try:
         before, step, member = np.frombuffer((folder / str(pid)).read_bytes(), np.int64).tolist()
     except (OSError, ValueError):
@@ -55,26 +56,26 @@ def whose(folder: Path, pid: int | None) -> tuple[int, int] | None:
 
 
 def breathe(_done: int = 0) -> None:
-    """The work goes on: the limit counts anew from here."""
+    """Tells that the work goes on: the limit counts from now on."""
     if _limit_s:
         signal.setitimer(signal.ITIMER_REAL, _limit_s)
 
 
 def begin(step: int = 0, member: int = NOBODY) -> None:
-    """From here on the process must breathe; whoever knows better whose turn it is writes to `turn`."""
+    """Turns the watch on. Code that knows the step and the member more closely writes them to `turn`."""
     turn[0], turn[1], turn[2] = 0, step, member
     breathe()
 
 
 def end() -> None:
-    """From here on it need not."""
+    """Turns the watch off."""
     if _limit_s:
         signal.setitimer(signal.ITIMER_REAL, 0.0)
 
 
 @contextmanager
 def watched() -> Iterator[None]:
-    """Within it the process must breathe."""
+    """Keeps the watch on for a block of code."""
     begin()
     try:
         yield

@@ -1,4 +1,4 @@
-"""Batches: whatever becomes of one trial, the others are kept, and the number of workers changes nothing."""
+"""Batches: a trial that fails leaves the others as they are, and the number of workers changes no result."""
 
 from __future__ import annotations
 
@@ -10,12 +10,13 @@ import sys
 import time
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from flocking.errors import InputError
 from trials.batch import store
-from trials.batch.batch import Summary, run_batch
+from trials.batch.batch import Summary, Work, run_batch
 from trials.batch.store import Row, StorageError, Store
 from trials.types import Trial
 
@@ -40,10 +41,9 @@ def new_store(folder: Path, trials: Sequence[Trial]) -> Store:
     return store.create(folder, run, {})
 
 
-def batch(folder: Path, trials: Sequence[Trial], **how: object) -> tuple[Summary, list[Row]]:
+def batch(folder: Path, trials: Sequence[Trial], jobs: int = 2, **how: Any) -> tuple[Summary, list[Row]]:
     kept = new_store(folder, trials)
-    options = {"jobs": 2, "run": fake_trials.run, "imports": None} | how
-    summary = run_batch(trials, kept, Silent(), **options)  # type: ignore[arg-type]
+    summary = run_batch(trials, kept, Silent(), jobs=jobs, work=Work(run=fake_trials.run, **how))
     rows = kept.rows()
     kept.close()
     return summary, rows
@@ -124,7 +124,7 @@ def test_imports_that_fail_are_left_to_the_trial_to_tell(tmp_path: Path) -> None
 
 @pytest.mark.parametrize("jobs", [1, 2])
 def test_a_warm_up_that_dies_does_no_harm(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, jobs: int) -> None:
-    """Nor does it keep the rest from being warmed up."""
+    """The trials after it are warmed up all the same."""
     marker = tmp_path / "warm"
     monkeypatch.setenv("FAKE_MARKED", str(marker))
     trials = [fake_trials.trial(1), fake_trials.trial(2)]
@@ -137,7 +137,7 @@ def test_a_warm_up_that_dies_does_no_harm(tmp_path: Path, monkeypatch: pytest.Mo
 BATCH = """
 import sys
 from pathlib import Path
-sys.path[:0] = [{here!r}]
+sys.path[:0] = {folders!r}
 if __name__ == "__main__":
     import fake_trials, test_batch
     trials = [fake_trials.trial(k, act) for k, act in enumerate({acts!r}, start=1)]
@@ -147,9 +147,10 @@ if __name__ == "__main__":
 
 
 def start_batch(tmp_path: Path, acts: list[str]) -> subprocess.Popen[str]:
-    """A batch in a process group of its own, whose first two trials are kept and a hanging one has begun."""
+    """A batch in a process group of its own, once its first two trials are kept and one that hangs has begun."""
     script = tmp_path / "go.py"
-    script.write_text(BATCH.format(here=str(Path(__file__).parents[1]), acts=acts, folder=str(tmp_path / "run")))
+    folders = [str(folder) for folder in Path(__file__).parents[:2]]
+    script.write_text(BATCH.format(folders=folders, acts=acts, folder=str(tmp_path / "run")))
     marker = tmp_path / "spinning"
     process = subprocess.Popen(
         [sys.executable, str(script)],
@@ -168,7 +169,7 @@ def start_batch(tmp_path: Path, acts: list[str]) -> subprocess.Popen[str]:
 
 
 def assert_nothing_left(group: int) -> None:
-    """No process of the group lives on (multiprocessing's tracker takes a moment to notice)."""
+    """Waits until no process of the group is left (the resource tracker takes a moment to end)."""
     deadline = time.monotonic() + 10
     while True:
         try:

@@ -11,7 +11,7 @@ import pytest
 
 from flocking.types import Kind
 from trials.batch import store, worker
-from trials.batch.batch import run_batch
+from trials.batch.batch import Work, run_batch
 from trials.batch.store import Row
 from trials.commands import lawcheck
 from trials.design import plan
@@ -23,7 +23,7 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 import slow_trials  # by a name that worker processes can import too
 
 LIMIT_S = 2.0
-"""Of a law: ten times the longest piece of work of a kinematic trial."""
+"""Wall time within which a law must return: ten times the longest piece of work of a kinematic trial."""
 LAW = """
 import math
 from typing import NamedTuple
@@ -47,7 +47,7 @@ HANGS, IS_LOST, STAYS_WELL = "while memory[0] >= 3.0:\n            memory[0] += 
 
 
 def law_file(folder: Path, name: str, who: int, does: str) -> tuple[str, str]:
-    """The path and the text of a law with which that member does so at its third decision, tried out as by `herd`."""
+    """The path and the text of a law with which member `who` does `does` at its third decision; `herd` accepts it."""
     path = folder / f"{name}.py"
     path.write_text(LAW.format(who=who, does=does))
     lawcheck.check(str(path))
@@ -55,7 +55,7 @@ def law_file(folder: Path, name: str, who: int, does: str) -> tuple[str, str]:
 
 
 class Silent:
-    """Progress that nobody sees."""
+    """Progress that is not shown."""
 
     def say(self, text: str) -> None: ...
 
@@ -67,7 +67,8 @@ def batch(folder: Path, trials: Sequence[Trial], run: worker.Job = worker.run_pa
     made = {"format": store.FORMAT, "experiment": "test", "trials": [trial.as_dict() for trial in trials]}
     kept = store.create(folder, made, {})
     warm_up, imports = trials[-1:] if warm else [], worker.imports_of(trials)
-    run_batch(trials, kept, Silent(), jobs=1, run=run, imports=imports, warm_up=warm_up, law_limit_s=LIMIT_S)
+    work = Work(run=run, imports=imports, warm_up=warm_up, law_limit_s=LIMIT_S)
+    run_batch(trials, kept, Silent(), jobs=1, work=work)
     rows = sorted(kept.rows(), key=lambda row: row.index)
     kept.close()
     return rows
@@ -79,7 +80,7 @@ def numbered(trials: Sequence[Trial]) -> list[Trial]:
 
 @pytest.mark.parametrize("synchronous", [True, False])
 def test_of_a_kinematic_batch(tmp_path: Path, synchronous: bool) -> None:
-    """In one group of members, in the second of two, and healthy ones afterwards."""
+    """The failing law in the only group, then in the second of two groups, then a trial without it."""
     hangs, lost = law_file(tmp_path, "hangs", 5, HANGS), law_file(tmp_path, "lost", 5, IS_LOST)
     laws = [[hangs], [("vicsek", ""), hangs], [("vicsek", ""), lost], [lost], [("vicsek", "")]]
     trials = [
@@ -102,7 +103,7 @@ def test_of_a_kinematic_batch(tmp_path: Path, synchronous: bool) -> None:
         f"law {lost[0]!r} returned kind {int(Kind.VELOCITY)}, x nan, y 0 for member 6 at step 3; "
         "expected a kind of 0 to 5 and finite numbers"
     )
-    # of two groups, four members each, the sixth member is the second one of the second group
+    # of two groups with four members each, the sixth member of the herd is the second of the second group
     assert [row.reason for row in rows] == [f"{hung} g0-6 at step 3", f"{hung} g1-2 at step 3", gave, gave, ""]
     assert [row.status for row in rows] == [*["failed"] * 4, "done"]
 
@@ -116,7 +117,7 @@ def robots(law: tuple[str, str] | None = None) -> Trial:
     return dataclasses.replace(base, setup={"duration_s": 0.5}, groups=(changed,))
 
 
-def test_of_a_physical_batch(tmp_path: Path) -> None:
+def test_of_a_batch_of_robots(tmp_path: Path) -> None:
     hangs, lost = law_file(tmp_path, "hangs", 1, HANGS), law_file(tmp_path, "lost", 1, IS_LOST)
     trials = [robots(hangs), robots(lost), robots()]
     names = [f"{trial.groups[0].name}-2" for trial in trials]
@@ -127,10 +128,10 @@ def test_of_a_physical_batch(tmp_path: Path) -> None:
     assert [row.status for row in rows] == ["failed", "failed", "done"]
 
 
-@pytest.mark.parametrize("kind", ["kinematic", "physical"])
+@pytest.mark.parametrize("kind", ["kinematic", "robots"])
 def test_what_is_compiled_in_a_trial_does_not_count(tmp_path: Path, kind: str) -> None:
-    """Neither the kernel's import nor a robot's first look may end a healthy trial, though they exceed the limit."""
+    """The import of the kernel and a robot's first detection take longer than a law may, and do not end the trial."""
     assert slow_trials.SLOW_S > LIMIT_S
-    healthy = {"kinematic": kinematic("test", 1, [group("vicsek", 9)], steps=20), "physical": robots()}
-    (row,) = batch(tmp_path / "run", [healthy[kind]], run=slow_trials.run, warm=False)
+    trials = {"kinematic": kinematic("test", 1, [group("vicsek", 9)], steps=20), "robots": robots()}
+    (row,) = batch(tmp_path / "run", [trials[kind]], run=slow_trials.run, warm=False)
     assert (row.status, row.reason) == ("done", "")

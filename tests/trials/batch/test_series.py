@@ -1,4 +1,4 @@
-"""A trial's series: nothing is lost, equal results are equal bytes, damage is told."""
+"""A trial's series: nothing is lost, equal results are equal bytes, damage is reported."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def test_a_result_comes_back_as_it_was_but_for_scans_and_timing(result: TrialRes
 
 def test_equal_results_are_equal_bytes_whenever_they_are_packed(result: TrialResult) -> None:
     first = series.pack(result)
-    time.sleep(2.1)  # a zip keeps times to two seconds
+    time.sleep(2.1)  # times in a zip file have steps of two seconds
     other = dataclasses.replace(result, scans=None, timing={"loop_s": 123.0})
     assert series.pack(other) == first
 

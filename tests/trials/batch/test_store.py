@@ -1,4 +1,4 @@
-"""A run's folder: what has a row is whole, nothing is overwritten, damage is told in one line."""
+"""A run's folder: a trial with a row is whole, nothing is overwritten, damage is reported in one line."""
 
 from __future__ import annotations
 
@@ -201,6 +201,20 @@ def test_a_newer_version_is_told(tmp_path: Path) -> None:
         connection.execute(f"PRAGMA user_version = {store.FORMAT + 1}")
     connection.close()
     refused(tmp_path / "run", f"has format {store.FORMAT + 1}, of a newer version")
+
+
+def test_an_older_format_is_refused_with_the_version_that_reads_it(tmp_path: Path) -> None:
+    new(tmp_path / "run").close()
+    path = tmp_path / "run" / "run.json"
+    old = {
+        "format": 1,
+        "experiment": "fake",
+        "versions": {"create-herd": "0.1.0"},
+        "commit": "282baf4f00+",
+        "trials": [],
+    }
+    path.write_text(json.dumps(old))
+    refused(tmp_path / "run", "report and resume it with create-herd 0.1.0, commit 282baf4f00$")
 
 
 def test_a_missing_or_damaged_series_is_told(tmp_path: Path) -> None:

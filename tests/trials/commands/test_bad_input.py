@@ -31,7 +31,7 @@ def law(own, members, sets, obstacles, parameters, memory, u):
 
 @pytest.fixture
 def refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]):
-    """Runs the command in an empty folder and gives its one line."""
+    """Runs the command in an empty folder and returns the one line that it prints."""
     monkeypatch.chdir(tmp_path)
 
     def command(*words: str) -> str:

@@ -1,9 +1,10 @@
-"""The bench runs and says what it measured; how fast is not a test's business."""
+"""The bench runs and says what it measured. No test depends on how fast anything is."""
 
 from __future__ import annotations
 
 import json
 import math
+import time
 from pathlib import Path
 
 import numpy as np
@@ -24,6 +25,7 @@ def test_every_measure_gives_finite_figures_that_are_saved_and_compared(
     monkeypatch.setattr(bench, "BATCH_SECONDS", 1.0)
     monkeypatch.setattr(bench, "BATCH_TRIALS", 6)
     monkeypatch.setattr(bench, "GROUP_SIZES", (2, 4))
+    monkeypatch.setattr(bench, "LARGE", 8)
     monkeypatch.setattr(bench_kinematic, "SIZES", (100, 200))
     monkeypatch.setattr(bench_kinematic, "STEPS", 1)
     left_out = (bench.start_up, bench.whole_experiment)
@@ -34,8 +36,23 @@ def test_every_measure_gives_finite_figures_that_are_saved_and_compared(
     assert len(figures) > 15
     assert all(math.isfinite(run) for figure in figures for run in figure["runs"])
     assert {figure["met"] for figure in figures} <= {True, False, None}
+    medians = {figure["name"]: figure["median"] for figure in figures}
+    assert len(medians) == len(figures)  # a saved figure is found again by its name
+    assert medians["rays"] * medians["rays of a scan"] == pytest.approx(682)
+    assert medians["beams off by more than 1 cm"] <= 0.2
+    assert medians["8 robots, built and measured too"] < medians["8 robots"]
     bench.bench(compare=saved)
     assert "before" in capsys.readouterr().out
+
+
+def test_what_one_process_does_is_timed_without_waiting_and_what_others_do_with_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    assert bench._seconds(lambda: time.sleep(0.2)) < 0.1
+    assert bench._wall(lambda: time.sleep(0.2)) >= 0.2
+    monkeypatch.setattr(bench, "_repeated", lambda *_: (1.0,))
+    timed = [figure.name for figure in (*bench.start_up(), *bench.whole_experiment())]
+    assert all("wall time" in name for name in timed)
 
 
 def test_the_flock_rewritten_in_arrays_moves_as_the_law_says() -> None:

@@ -1,4 +1,4 @@
-"""The `herd` command from outside: what it runs, keeps, says and with which code it ends."""
+"""The `herd` command in a process of its own: what it runs, keeps and prints, and its exit codes."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 
 SHORT = ["detection-case-study", "--repeats", "1", "--only", "1,4,7", "--set", "duration_s=1"]
-"""One trial of each detection, a second each."""
+"""Options: one trial of each detection, a second each."""
 
 LAW = '''
 import math
@@ -31,7 +31,7 @@ class Parameters(NamedTuple):
 
 
 def law(own, members, sets, obstacles, parameters, memory, u):
-    """Straight on; the third member loses its mind."""
+    """Straight on; the third member returns nan."""
     return Motion(Kind.VELOCITY, math.nan if own.id == 2 else 0.1, 0.0, 0)
 '''
 
@@ -82,7 +82,7 @@ def test_a_run_leaves_all_that_is_needed_to_run_it_again(run: Path) -> None:
     assert [path.name for path in (run / "recordings").iterdir()] == ["0001.rrd"]
     assert (run / "report.html").is_file()
     with sqlite3.connect(run / "results.sqlite") as connection:
-        assert connection.execute("PRAGMA user_version").fetchone() == (1,)
+        assert connection.execute("PRAGMA user_version").fetchone() == (2,)
         assert connection.execute("PRAGMA journal_mode").fetchone() == ("delete",)
         assert connection.execute("SELECT count(*) FROM timing").fetchone() == (3,)
 
@@ -90,7 +90,7 @@ def test_a_run_leaves_all_that_is_needed_to_run_it_again(run: Path) -> None:
 def test_a_resumed_run_equals_an_unbroken_one_with_another_number_of_workers(run: Path, tmp_path: Path) -> None:
     broken = tmp_path / "broken"
     shutil.copytree(run, broken)
-    with sqlite3.connect(broken / "results.sqlite") as connection:  # as if killed after the second trial
+    with sqlite3.connect(broken / "results.sqlite") as connection:  # as after a process killed at the second trial
         connection.execute("DELETE FROM trials WHERE idx IN (1, 7)")
         connection.execute("DELETE FROM timing WHERE idx IN (1, 7)")
     connection.close()

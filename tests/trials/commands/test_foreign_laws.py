@@ -1,4 +1,4 @@
-"""Every kinematic experiment, found by its file, with a law that is not its own: its report has no numbers to miss."""
+"""Every kinematic experiment with a law that is not its own: the report does without the numbers of its own law."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from trials.simulations.kinematic.measures import ABOUT
 from trials.types import TrialResult
 
 FOREIGN = ("dong", "couzin")
-"""The second for experiments that refuse the first, of which no links are known."""
+"""Laws in place of an experiment's own; the second is for those that refuse the first, of which no links are known."""
 REPORTED = [
     name
     for name in design.experiment_names()
@@ -27,14 +27,14 @@ REPORTED = [
 
 
 class Lost(dict[int, TrialResult]):
-    """No trial's series can be read."""
+    """Stands for a store in which no trial has series."""
 
     def __missing__(self, index: int) -> TrialResult:
         raise InputError(f"trial {index}: its series is lost")
 
 
 def planned(experiment: str) -> design.Plan:
-    """With the first of the foreign laws that the experiment takes."""
+    """The experiment planned with the first of the foreign laws that it takes."""
     for law in FOREIGN:
         try:
             return design.plan(experiment, repeats=2, law=law)
@@ -44,7 +44,7 @@ def planned(experiment: str) -> design.Plan:
 
 
 def measured(rng: np.random.Generator) -> Mapping[str, float]:
-    """Numbers for all that a kinematic trial measures, some links among them."""
+    """Made-up numbers for all measures of a kinematic trial, with some of its links."""
     positions = np.cumsum(rng.normal(0.0, 0.3, (600, 12, 2)), axis=0) * 0.05 + rng.uniform(0.0, 3.0, (12, 2))
     given = links.Parameters(range_m=1.6, rest_m=1.0, stiffness_per_s2=1.0, unit_s=1.0)
     velocities = np.gradient(positions, 0.01, axis=0)

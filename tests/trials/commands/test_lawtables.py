@@ -1,4 +1,4 @@
-"""`herd laws`: every law in both tables, what was filled in marked and told, one law in full."""
+"""`herd laws`: every law is in both tables, what was filled in is marked and described, one law is shown in full."""
 
 from __future__ import annotations
 

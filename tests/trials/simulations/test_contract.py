@@ -1,11 +1,16 @@
-"""A simulation is a folder: every one keeps the contract, and one from outside the package runs as they do."""
+"""A simulation is a folder: each fulfils the contract, and one from outside the package runs as the others do."""
 
 from __future__ import annotations
 
+import dataclasses
 import json
+import os
+import sqlite3
+import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -110,7 +115,7 @@ def base(repeat):
 
 @pytest.fixture
 def toys(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    """A simulation and a study in folders of a stranger's."""
+    """A simulation and a study in folders outside the package, added for the time of a test."""
     for folder, package in (("simulations", "toy"), ("studies", "toys")):
         (tmp_path / folder / package).mkdir(parents=True)
         (tmp_path / folder / package / "__init__.py").touch()
@@ -155,6 +160,28 @@ class TestOneFromOutside:
         assert cells == {"pace_m 1: way": 3.0, "pace_m 2: way": 6.0}
         assert "way" in report(tmp_path / "run")
 
+    def test_the_command_runs_it_in_workers_and_resumes_it(self, tmp_path: Path) -> None:
+        """Every process of the command, its workers too, is told of the stranger's folders as it starts."""
+        (tmp_path / "sitecustomize.py").write_text(
+            "import trials.simulations, trials.studies\n"
+            f"trials.simulations.__path__.append({str(tmp_path / 'simulations')!r})\n"
+            f"trials.studies.__path__.append({str(tmp_path / 'studies')!r})\n"
+        )
+        root = str(Path(simulations.__file__).parents[2])
+        environment = {**os.environ, "PYTHONPATH": os.pathsep.join((str(tmp_path), root))}
+
+        def herd(*words: str) -> str:
+            command = [sys.executable, "-m", "trials.commands.cli", *words]
+            done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True)
+            assert done.returncode == 0, done.stdout + done.stderr
+            return done.stdout
+
+        assert "4 trials: 4 done, 0 failed" in herd("run", "toy-walk", "--jobs", "2", "--out", "kept")
+        with sqlite3.connect(tmp_path / "kept" / "results.sqlite") as tables:
+            tables.execute("DELETE FROM trials WHERE idx = 3")
+        tables.close()
+        assert "4 trials: 4 done, 0 failed, 1 of them now" in herd("resume", "kept")
+
     def test_the_command_shows_it_and_refuses_what_it_has_not(
         self, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
     ) -> None:
@@ -198,6 +225,43 @@ class TestEvery:
         for misplaced in ("world", "formation"):
             with pytest.raises(InputError, match=f"unknown entry of the setup '{misplaced}'"):
                 simulations.check(with_setup(trial, {misplaced: "corridor"}))
+
+    @pytest.mark.parametrize(
+        ("changes", "words"),
+        [
+            ({"world": "bogus"}, "unknown world 'bogus'"),
+            ({"formation": "bogus"}, "unknown formation 'bogus'"),
+            ({"groups": ()}, "expected at least one group"),
+            ({"world_parameters": {"bogus": 1.0}}, r"unknown parameter 'world\.bogus'"),
+        ],
+    )
+    def test_what_does_not_exist_is_refused_in_one_line(self, name: str, changes: dict[str, Any], words: str) -> None:
+        changed = dataclasses.replace(one_of(name), **changes)
+        for run in (simulations.check, simulations.run_trial):
+            with pytest.raises(InputError, match=words):
+                run(changed)
+
+    @pytest.mark.parametrize(
+        ("changes", "words"),
+        [
+            ({"setup": {"law.bogus": 1.0}}, r"unknown entry of the setup '\w+\.law\.bogus'"),
+            ({"law_parameters": {"bogus": 1.0}}, r"unknown parameter '\w+\.law\.bogus'"),
+            ({"pipeline_parameters": {"bogus": 1.0}}, r"unknown parameter '\w+\.pipeline\.bogus'"),
+            ({"spread": {"bogus": 0.1}}, r"unknown parameter '\w+\.spread\.bogus'"),
+        ],
+    )
+    def test_what_a_group_is_given_is_declared(self, name: str, changes: dict[str, Any], words: str) -> None:
+        trial = one_of(name)
+        group = dataclasses.replace(trial.groups[0], **changes)
+        with pytest.raises(InputError, match=words):
+            simulations.check(dataclasses.replace(trial, groups=(group,)))
+
+    def test_a_value_of_a_law_has_its_place_in_the_law_alone(self, name: str) -> None:
+        trial = one_of(name)
+        key = next(row.key for row in keys.rows(trial) if ".law." in row.key).partition(".")[2]
+        group = with_setup(trial.groups[0], {key: 1.0})
+        with pytest.raises(InputError, match="unknown entry of the setup"):
+            simulations.check(dataclasses.replace(trial, groups=(group,)))
 
     def test_its_moment_gives_what_it_declares(self, name: str) -> None:
         trial = one_of(name)

@@ -1,6 +1,6 @@
-"""What a kinematic trial and its groups can be given, with units and sources, and how what they leave open is filled.
+"""The parameters of a kinematic trial and of its groups, with units and sources; how trials and groups are made.
 
-A value of nan, or −1 leaders, is open: it is then taken from the herd that the law declares (`HERD` in its file).
+A value of nan, or −1 leaders, is left open: it is then that of the herd which the law declares (`HERD` in its file).
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from typing import Annotated, Any, NamedTuple
 
 from flocking import lawentry
 from flocking import obstacle_selection as selection_of_obstacles
+from flocking.errors import InputError, unknown_name
 from flocking.kinematic.bands import MOST_M
 from flocking.parameters import Parameter, filled
 from flocking.taxonomy import Herd
@@ -21,16 +22,16 @@ from trials.types import Group, Trial, Value
 
 NAME = "kinematic"
 OPEN = math.nan
-"""Value that is left to the law's own herd."""
+"""A value that is left to the law's own herd."""
 OWN_LEADERS = -1
-"""Number of leaders that is left to the law's own herd."""
+"""A number of leaders that is left to the law's own herd."""
 LEADER = 1
 """The role of a leader or of a strong member."""
 NO_LIMIT = 0.0
-"""Speed, turn rate or range that stands for no limit."""
+"""A speed, turn rate or range without a limit."""
 DETECTIONS = ("perfect", "member-based", "member-extrapolated", "sensor-based")
 OWN_SPACE = "own"
-"""The world that the law's own herd names."""
+"""Names the world of the law's own herd."""
 SPACES = (OWN_SPACE, "unbounded", "bounded", "periodic", "obstacles")
 FORMATIONS = ("uniform", "single-group", "split-group", "triangular-lattice", "square-lattice", *lattice_starts.NAMES)
 LINKS = "links."
@@ -39,7 +40,7 @@ _LAW = "the law's own herd: HERD in its file"
 
 
 class TrialFields(NamedTuple):
-    """What a kinematic trial can be given."""
+    """What a kinematic trial has beside its names and groups."""
 
     steps: Annotated[int, Parameter("", "a choice", low=1, high=10_000_000)] = 500
     timestep_s: Annotated[float, Parameter("s", _LAW, low=1e-6, high=1e3)] = OPEN
@@ -63,14 +64,14 @@ class TrialFields(NamedTuple):
 
 
 class NameFields(NamedTuple):
-    """World and formation of a kinematic trial, by name."""
+    """The names of a kinematic trial's world and formation."""
 
     world: Annotated[str, Parameter("", _LAW, choices=SPACES)] = OWN_SPACE
     formation: Annotated[str, Parameter("", "a choice", choices=FORMATIONS)] = "uniform"
 
 
 class GroupNames(NamedTuple):
-    """What a kinematic group shares with a group of robots."""
+    """What a kinematic group has that a group of robots has as well."""
 
     count: Annotated[int, Parameter("members", "a choice", low=1, high=1_000_000)] = 50  # type: ignore[assignment]
     pipeline: Annotated[str, Parameter("", "Fine 2015, section 2.2, without noise", choices=DETECTIONS)] = "perfect"
@@ -278,7 +279,7 @@ def _declared(law: str, source: str) -> Herd:
 
 
 def of_trial(trial: Trial) -> TrialFields:
-    """A trial's fields with everything filled in: what it leaves open is the first group's law's."""
+    """A trial's fields with everything filled in; open values are those of the first group's law."""
     fields: TrialFields = filled(TrialFields, below(trial.setup, ""))
     own = own_herd(trial.groups[0])
     return fields._replace(
@@ -302,13 +303,29 @@ def of_group(group: Group) -> GroupFields:
 
 
 def space_of(trial: Trial) -> str:
-    """The name of a trial's world; the law's own where it is left to it."""
+    """The name of a trial's world, which may be that of the law's own herd. Raises `InputError` without groups."""
+    if not trial.groups:
+        raise InputError("the trial has no members: expected at least one group")
     return own_herd(trial.groups[0]).space if trial.world == OWN_SPACE else trial.world
+
+
+def world_parameters(trial: Trial) -> type:
+    """What the trial's world can be given. Raises `InputError` for a world that there is not."""
+    if trial.world not in SPACES:
+        raise unknown_name("world", trial.world, SPACES)
+    return WORLD_PARAMETERS[space_of(trial)]
+
+
+def formation_parameters(trial: Trial) -> type:
+    """What the trial's formation can be given. Raises `InputError` for a formation that there is not."""
+    if trial.formation not in FORMATIONS:
+        raise unknown_name("formation", trial.formation, FORMATIONS)
+    return FORMATION_PARAMETERS[trial.formation]
 
 
 def world_of(trial: Trial) -> Any:
     """The world's parameters, filled in."""
-    fields = filled(WORLD_PARAMETERS[space_of(trial)], trial.world_parameters, prefix="world.")
+    fields = filled(world_parameters(trial), trial.world_parameters, prefix="world.")
     if not hasattr(fields, "size_m"):
         return fields
     count = sum(group.count for group in trial.groups)
@@ -320,7 +337,7 @@ def world_of(trial: Trial) -> Any:
 
 def formation_of(trial: Trial) -> Any:
     """The formation's parameters, filled in."""
-    fields = filled(FORMATION_PARAMETERS[trial.formation], trial.formation_parameters, prefix="formation.")
+    fields = filled(formation_parameters(trial), trial.formation_parameters, prefix="formation.")
     own = own_herd(trial.groups[0])
     if trial.formation in lattice_starts.NAMES:
         usual = own.spacing_m if trial.formation == lattice_starts.POSITION else own.speed_m_s
@@ -329,10 +346,11 @@ def formation_of(trial: Trial) -> Any:
 
 
 def links_of(trial: Trial) -> links.Parameters | None:
-    """How a trial's links are measured; None if they are not."""
+    """The parameters by which a trial's links are measured; None if they are not measured."""
     given = below(trial.setup, LINKS)
     return filled(links.Parameters, given, prefix=LINKS) if given else None
 
 
 def _closed(value: float, own: float) -> float:
+    """`value`, or `own` where it is left open."""
     return own if math.isnan(value) else value

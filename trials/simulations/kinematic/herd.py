@@ -61,14 +61,8 @@ def assemble(trial: Trial) -> Herd:
 
 def check(trial: Trial) -> None:
     """Refuses a trial whose names and numbers do not fit one another, without compiling anything: `InputError`."""
-    if not trial.groups:
-        raise InputError("the trial has no members: expected a group")
-    for name, value, valid in (
-        ("world", trial.world, fields.SPACES),
-        ("formation", trial.formation, fields.FORMATIONS),
-    ):
-        if value not in valid:
-            raise unknown_name(name, value, valid)
+    fields.world_parameters(trial)
+    fields.formation_parameters(trial)
     given = fields.of_trial(trial)
     count = sum(group.count for group in trial.groups)
     every = 1 if fields.links_of(trial) else given.every

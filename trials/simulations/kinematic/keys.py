@@ -15,7 +15,7 @@ from trials.types import Group, Trial
 def keys_of(trial: Trial, group: Group | None = None) -> list[Section]:
     """The keys of a kinematic trial, or of one of its groups."""
     if group is None:
-        world, formation = fields.WORLD_PARAMETERS[fields.space_of(trial)], fields.FORMATION_PARAMETERS[trial.formation]
+        world, formation = fields.world_parameters(trial), fields.formation_parameters(trial)
         return [
             section("", fields.TrialFields, lambda: fields.of_trial(trial)._asdict()),
             section("", fields.NameFields, lambda: {"world": trial.world, "formation": trial.formation}),

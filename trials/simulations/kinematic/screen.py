@@ -1,4 +1,4 @@
-"""How a kinematic trial's recording opens in the viewer."""
+"""The layout of a kinematic trial's recording in the viewer."""
 
 from __future__ import annotations
 
@@ -6,15 +6,16 @@ import numpy as np
 import rerun.blueprint as rrb
 from numpy.typing import NDArray
 
-from trials.simulations.columns import MEMBER_COLOURS, TIMELINE
+from trials.simulations import views
+from trials.simulations.columns import MEMBER_COLOURS
 from trials.simulations.kinematic import fields
 from trials.types import TrialResult
 
 TRAIL_SHARE = 0.1
-"""Part of the trial whose way a member draws behind it."""
+"""How long the path behind a member stays in sight, as a share of the trial."""
 TRAIL_COLOUR = 0x8FA3B880
 MARK_SHARE = 0.25
-"""Size of a member without a radius, in spacings at the start."""
+"""Drawn size of a member without a radius, as a share of the spacing at the start."""
 
 
 def size_of(result: TrialResult) -> float:
@@ -43,63 +44,27 @@ def blueprint(result: TrialResult) -> rrb.Blueprint:
     ends = np.concatenate([positions, result.walls_w.reshape(-1, 2), np.zeros((1, 2))])
     low, high = ends.min(axis=0) - margin, ends.max(axis=0) + margin
     span = float(result.times[-1]) * TRAIL_SHARE if len(result.times) else 0.0
-    plane = rrb.Spatial2DView(
-        origin="/",
-        contents=["+ /world/**"],
-        name="Plane",
-        background=[14, 17, 23],
-        visual_bounds=rrb.VisualBounds2D(x_range=(low[0], high[0]), y_range=(-high[1], -low[1])),
-        overrides={
-            "world/trails": rrb.VisibleTimeRanges(
-                timeline=TIMELINE,
-                start=rrb.TimeRangeBoundary.cursor_relative(seconds=-span),
-                end=rrb.TimeRangeBoundary.cursor_relative(),
-            )
-        },
-    )
+    plane = views.plan("Plane", ["+ /world/**"], (low[0], high[0]), (-high[1], -low[1]), shown_s={"world/trails": span})
     plots = [
-        _plot("Order and unity", ["polarization", "largest_share"], (0.0, 1.05)),
-        _plot("Median distance from the centre (m)", ["mmd"]),
-        _plot("Number of groups", ["groups"]),
+        views.plot("Order and unity", ["/measures/polarization", "/measures/largest_share"], (0.0, 1.05)),
+        views.plot("Median distance from the centre (m)", ["/measures/mmd"]),
+        views.plot("Number of groups", ["/measures/groups"]),
         rrb.Tabs(
-            _plot("Net displacement of the centre (m)", ["net_displacement"]),
+            views.plot("Net displacement of the centre (m)", ["/measures/net_displacement"]),
             rrb.TextDocumentView(origin="/about", name="About"),
         ),
     ]
-    return rrb.Blueprint(
-        rrb.Horizontal(plane, rrb.Vertical(*plots), column_shares=[2, 1]),
-        rrb.TimePanel(timeline=TIMELINE, state="collapsed", play_state="playing", loop_mode="all"),
-        rrb.BlueprintPanel(state="collapsed"),
-        rrb.SelectionPanel(state="collapsed"),
-    )
+    return views.layout(rrb.Horizontal(plane, rrb.Vertical(*plots), column_shares=[2, 1]))
 
 
 def about(result: TrialResult) -> str:
     """The trial in words (Markdown)."""
     trial, given = result.trial, fields.of_trial(result.trial)
-    lines = [
-        f"# {trial.experiment}, trial {trial.index}",
-        f"Seed {trial.seed}, repeat {trial.repeat}; {fields.space_of(trial)} space, formation {trial.formation}; "
-        f"{given.steps} {'synchronous' if given.synchronous else 'asynchronous'} steps of {given.timestep_s:g} s.",
-        f"**{result.outcome}**{': ' + result.reason if result.reason else ''}",
-        "",
-    ]
-    lines += [f"- `{key}` = {value}" for key, value in trial.conditions.items()]
-    lines += [
-        f"- {group.count} x {group.name}: {group.law}, {group.pipeline}, selection {group.selection}"
-        for group in trial.groups
-    ]
-    if result.measures:
-        lines += ["", "| measure | value |", "|---|---|"]
-        lines += [f"| {name} | {value:.4g} |" for name, value in result.measures.items() if "/" not in name]
-    return "\n".join(lines)
-
-
-def _plot(name: str, measures: list[str], y_range: tuple[float, float] | None = None) -> rrb.TimeSeriesView:
-    return rrb.TimeSeriesView(
-        origin="/",
-        contents=[f"+ /measures/{measure}" for measure in measures],
-        name=name,
-        axis_y=rrb.ScalarAxis(range=y_range) if y_range else None,
-        plot_legend=rrb.PlotLegend(visible=len(measures) > 1),
+    order = "synchronous" if given.synchronous else "asynchronous"
+    course = (
+        f"{fields.space_of(trial)} space, formation {trial.formation}; "
+        f"{given.steps} {order} steps of {given.timestep_s:g} s"
+    )
+    return views.about(
+        result, course, [f"{group.law}, {group.pipeline}, selection {group.selection}" for group in trial.groups]
     )

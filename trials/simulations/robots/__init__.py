@@ -1,1 +1,1 @@
-"""Robots in MuJoCo that see through simulated sensors: the loop, their minds, what is measured and recorded."""
+"""Robots in MuJoCo that see through simulated sensors: the loop, each robot's five stages, measures, recordings."""

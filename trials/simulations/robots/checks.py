@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
 from flocking.errors import InputError
 from flocking.parameters import filled
 from flocking.types import Floats
+from sensing.laser import hokuyo
 from trials.simulations import spread
 from trials.simulations.robots import information
 from trials.simulations.robots.fields import GroupFields, TrialFields, of_trial, world_of
@@ -22,7 +24,7 @@ def check(trial: Trial) -> None:
     """Refuses a trial whose names and numbers do not fit one another: `InputError`.
 
     Clocks must be whole numbers of physics steps; no robot may be told to drive faster than its body can; all must
-    start apart and within the walls; and none may be able to leave its world behind.
+    start apart and within the walls; and no robot may be able to reach the end of its world.
     """
     given = of_trial(trial)
     if not trial.groups:
@@ -37,6 +39,7 @@ def check(trial: Trial) -> None:
                 f"{its.group.name}.speed_m_s = {its.given.speed_m_s:g}: expected at most {its.body.top_speed:g} m/s, "
                 f"the top speed of body {its.body.name!r}"
             )
+        _check_sensors(its, groups)
         information.check(its)
         spread.check(trial, number, its.law_parameters._asdict())
     world = world_of(trial)
@@ -49,10 +52,31 @@ def check(trial: Trial) -> None:
     check_starts(names, poses_w, radii, world.walls(walls).segments)
 
 
+def _check_sensors(its: Resolved, groups: Sequence[Resolved]) -> None:
+    """A group whose detection reads a laser must have one, in the plane of all others: all scan one plane."""
+    if its.pipeline_reads <= {"truth"}:
+        return
+    for other in groups:
+        if "laser" not in other.body.mounts:
+            raise InputError(
+                f"body {other.body.name!r} of {other.group.name} carries no laser, and {its.group.pipeline!r} of "
+                f"{its.group.name} reads one; expected bodies with lasers, or perfect detection"
+            )
+        apart = other.body.mount("laser").height_m - its.body.mount("laser").height_m
+        if abs(apart) > hokuyo.SAME_HEIGHT_M:
+            raise InputError(
+                f"the lasers of {its.group.name} and {other.group.name} scan {abs(apart):g} m apart: expected bodies "
+                "whose lasers are equally high"
+            )
+
+
 def _check_reach(
     trial: Trial, given: TrialFields, poses_w: Floats, free_length: float, fastest: float, radius: float
 ) -> None:
-    """`fastest` (m/s) and `radius` (m): of the fastest and of the widest robot."""
+    """Refuses a trial that is so long that a robot could reach the end of its world: `InputError`.
+
+    `fastest` (m/s) and `radius` (m): of the fastest and of the widest robot.
+    """
     reach = float(np.abs(poses_w[:, 0]).max()) + fastest * given.duration_s
     if reach > free_length:
         needed = math.ceil(2 * (reach + radius))
@@ -63,7 +87,7 @@ def _check_reach(
 
 
 def clock(name: str, given: GroupFields, timestep: float) -> tuple[int, int]:
-    """Ticks between the updates of a robot of the group of that name, and from its sensing to its acting.
+    """Ticks from update to update of a robot, and from its sensing to its acting; `name`: its group's.
 
     Raises `InputError` if they are not whole.
     """

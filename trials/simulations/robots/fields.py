@@ -1,11 +1,11 @@
-"""What a trial of robots and its groups can be given, with units and sources; how they are made."""
+"""The parameters of a trial of robots and of its groups, with units and sources; how trials and groups are made."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, NamedTuple
 
-from flocking import found, obstacle_selection
+from flocking import found, lawentry, obstacle_selection
 from flocking.errors import unknown_name
 from flocking.parameters import Parameter, filled
 from robots import body as bodies
@@ -20,7 +20,7 @@ PIPELINES, WORLDS = "sensing.pipelines", "worlds"
 TWO_SCANS, NO_ASSOCIATION = ASSOCIATIONS = ("two-scans", "none")
 AS_LAW, AVOID, VIRTUAL = OBSTACLE_CHOICES = ("as-law", "avoid", "virtual-members")
 TOGETHER = "together"
-"""The formation of a group that stands in the trial's."""
+"""The formation of a group that has none of its own and shares the trial's."""
 SENSORS, ASSOCIATION, AVOIDANCE = "sensors.", "association.", "avoidance."
 
 
@@ -32,7 +32,7 @@ def world_names() -> list[str]:
 
 def body_names() -> list[str]:
     """The bodies that a robot can have."""
-    return bodies.names()
+    return list(bodies.names())
 
 
 def pipeline_names() -> list[str]:
@@ -46,7 +46,7 @@ def formation_names() -> list[str]:
 
 
 def own_formation_names() -> list[str]:
-    """What a group can say of its own formation."""
+    """The values that a group's formation can have."""
     return [TOGETHER, *formations.FORMATIONS]
 
 
@@ -61,7 +61,7 @@ class TrialFields(NamedTuple):
         float,
         Parameter(
             "s",
-            "of physics: motion, odometry and scans agree with half of it (tests/trials/test_timestep.py)",
+            "of physics: motion, odometry and scans agree with half of it (its test is test_timestep.py)",
             low=0.001,
             high=0.02,
         ),
@@ -80,19 +80,6 @@ class GroupFields(NamedTuple):
 
     count: Annotated[int, Parameter("robots", "Fine 2015, section 2.3.1", published=True, low=1, high=1000)] = 6  # type: ignore[assignment]
     body: Annotated[str, Parameter("", "Fine 2015, section 2.3", published=True, named=body_names)] = "create"
-    formation: Annotated[
-        str,
-        Parameter(
-            "",
-            "a choice: `together` with the other groups in the trial's formation, or one of its own",
-            named=own_formation_names,
-        ),
-    ] = TOGETHER
-    start_x_m: Annotated[float, Parameter("m", "a choice: of the middle of a formation of its own")] = 0.0
-    start_y_m: Annotated[float, Parameter("m", "likewise")] = 0.0
-    start_heading_deg: Annotated[
-        float, Parameter("deg", "likewise: by how much it is turned", low=-360.0, high=360.0)
-    ] = 0.0
     sensors: Annotated[str, Parameter("", "noise of the laser's data sheet", choices=tuple(hokuyo.SETTINGS))] = (
         "datasheet"
     )
@@ -153,6 +140,19 @@ class GroupFields(NamedTuple):
     obstacle_selection: Annotated[
         str, Parameter("", "Fine 2015, figure 3.3, which leaves it open", reads=obstacle_selection.parse)
     ] = "all"
+    formation: Annotated[
+        str,
+        Parameter(
+            "",
+            "a choice: `together` with the other groups in the trial's formation, or one of its own",
+            named=own_formation_names,
+        ),
+    ] = TOGETHER
+    start_x_m: Annotated[float, Parameter("m", "a choice: of the middle of a formation of its own")] = 0.0
+    start_y_m: Annotated[float, Parameter("m", "likewise")] = 0.0
+    start_heading_deg: Annotated[
+        float, Parameter("deg", "likewise: by how much it is turned", low=-360.0, high=360.0)
+    ] = 0.0
 
 
 def trial(
@@ -160,27 +160,45 @@ def trial(
     repeat: int,
     groups: Sequence[Group],
     *,
-    world: str = "corridor",
-    formation: str = "single-group",
+    world: str = TrialFields().world,
+    formation: str = TrialFields().formation,
+    world_parameters: Mapping[str, Value] | None = None,
     **setup: Value,
 ) -> Trial:
     """A trial of robots; `setup`: of `TrialFields`."""
-    return Trial(experiment, repeat, NAME, world, formation, tuple(groups), setup=setup)
+    return Trial(
+        experiment, repeat, NAME, world, formation, tuple(groups), world_parameters=world_parameters or {}, setup=setup
+    )
 
 
 def group(
-    law: str = "extended-hamilton",
-    count: int = 6,
+    law: str = GroupFields().law,
+    count: int = GroupFields().count,
     *,
     name: str = "herd",
-    pipeline: str = "member-based",
-    selection: str = "all",
-    law_source: str = "",
+    pipeline: str = GroupFields().pipeline,
+    selection: str = GroupFields().selection,
     law_parameters: Mapping[str, Value] | None = None,
+    pipeline_parameters: Mapping[str, Value] | None = None,
+    spread: Mapping[str, float] | None = None,
     **setup: Value,
 ) -> Group:
-    """A group of robots; `setup`: of `GroupFields`, and below `sensors.`, `association.` and `avoidance.`."""
-    return Group(law, count, pipeline, name, selection, law_source, law_parameters or {}, setup=setup)
+    """A group of robots; `setup`: of `GroupFields`, and below `sensors.`, `association.` and `avoidance.`.
+
+    `law`: a law's name, or the path of a file, whose text is read. Raises `InputError` where it cannot be.
+    """
+    return Group(
+        law=law,
+        count=count,
+        pipeline=pipeline,
+        name=name,
+        selection=selection,
+        law_source=lawentry.read_source(law) if lawentry.is_path(law) else "",
+        law_parameters=law_parameters or {},
+        pipeline_parameters=pipeline_parameters or {},
+        spread=spread or {},
+        setup=setup,
+    )
 
 
 def of_trial(trial: Trial) -> TrialFields:

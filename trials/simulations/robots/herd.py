@@ -1,8 +1,9 @@
-"""A trial's names and numbers made into a world full of robots with minds."""
+"""A trial's names and numbers made into a world with robots that are ready to run."""
 
 from __future__ import annotations
 
 import dataclasses
+import math
 from dataclasses import dataclass
 from functools import cache
 from typing import NamedTuple
@@ -19,9 +20,7 @@ from sensing.laser import hokuyo
 from sensing.types import PipelineState, WorldTruth
 from trials.simulations import spread
 from trials.simulations.robots.checks import check, clock
-from trials.simulations.robots.fields import (
-    of_trial,
-)
+from trials.simulations.robots.fields import of_trial
 from trials.simulations.robots.knowledge import Knowledge
 from trials.simulations.robots.obstacle_stage import ObstacleStage
 from trials.simulations.robots.resolved import Resolved
@@ -75,7 +74,8 @@ def assemble(trial: Trial, record: bool) -> Herd:
     world = build(trial.world, trial.world_parameters, bodies, names, poses_w, timestep)
     reads = [frozenset(minds[g].its.pipeline.READS) for g, _ in numbers]
     lasers = None
-    if record or any("truth" not in r for r in reads):
+    carried = all("laser" in body.mounts for body in world.bodies)
+    if (record and carried) or any("truth" not in r for r in reads):
         lasers = hokuyo.Lasers(
             world.whole,
             [f"{prefix(name)}{body.mount('laser').site}" for name, body in zip(names, world.bodies, strict=True)],
@@ -100,7 +100,7 @@ def assemble(trial: Trial, record: bool) -> Herd:
 
 
 class Mind(NamedTuple):
-    """What the robots of a group share."""
+    """What the robots of a group share: its names resolved, its compiled law, and its obstacle stage."""
 
     its: Resolved
     law: lawentry.Law
@@ -174,11 +174,12 @@ def _robot(
 
 
 def _pipeline_state(its: Resolved) -> PipelineState:
-    height_m = its.body.mount("laser").height_m
+    laser = its.body.mounts.get("laser")
+    height_m = laser.height_m if laser is not None else math.nan  # of a detection that reads no laser
     return its.pipeline.start(its.pipeline_parameters, member_model(its.given.body), height_m, hokuyo.ANGLES)
 
 
 @cache
 def member_model(body: str) -> mujoco.MjModel:
-    """One robot alone: what a database of members is made from."""
+    """The model of one robot alone, from which the database of members' shapes is made."""
     return bodies.load(body).spec().compile()

@@ -1,5 +1,6 @@
-"""Whether a law, with the sets that it selects, can have what it needs on robots: from the pipeline, by association, or
-from what a robot knows of itself.
+"""Whether robots can give a law, and the selections of its sets, the information that they need.
+
+It comes from the pipeline, by association, or from what a robot knows of itself.
 """
 
 from __future__ import annotations

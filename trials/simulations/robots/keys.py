@@ -42,7 +42,7 @@ def keys_of(trial: Trial, group: Group | None = None) -> list[Section]:
 
 
 def settled(trial: Trial) -> Trial:
-    """`trial` with the law parameters with which Creates run it written down."""
+    """`trial` with the parameters that its laws have on Creates written into it."""
     groups = [
         dataclasses.replace(group, law_parameters={**Resolved(group).for_creates, **group.law_parameters})
         for group in trial.groups
@@ -50,9 +50,9 @@ def settled(trial: Trial) -> Trial:
     return dataclasses.replace(trial, groups=tuple(groups))
 
 
-def _shown(parameters: Any, at_work: bool) -> dict[str, Any]:
-    """Parameters of what is at work; of what is not, none is shown."""
-    return parameters._asdict() if at_work else {}
+def _shown(parameters: Any, in_use: bool) -> dict[str, Any]:
+    """The parameters to show: all where they are in use, else none."""
+    return parameters._asdict() if in_use else {}
 
 
 def _all(parameters: type, given: Mapping[str, Any]) -> dict[str, Any]:

@@ -1,8 +1,8 @@
 """What a robot knows of itself: how it moves, its heading in the world, where its goal is.
 
-Its pose at the start is known to it. From there on it reckons, by one of three:
+It knows its pose at the start. From there on it reckons its motion from one of three sources:
 
-- `commands`: the drive commands and the wheels' acceleration limit. It sees neither slip nor contacts.
+- `commands`: the drive commands and the wheels' acceleration limit. They show neither slip nor contacts.
 - `odometry`: what its body counts of its wheels; a Create counts whole millimetres and degrees, and so reads no turn
   slower than 67 degrees/s.
 - `true`: global knowledge, for ideal cases.
@@ -25,16 +25,16 @@ from robots.body import Fleet
 
 COMMANDS, ODOMETRY, TRUE = SOURCES = ("commands", "odometry", "true")
 TURN_RATE, COMPASS, GOAL = 2, 3, slice(4, 6)
-"""Where a law's entry wants them (`flocking.lawentry.OWN_SIZE`); the velocity is in front."""
+"""Their places in a law's row of numbers about itself (`flocking.lawentry.OWN_SIZE`); the velocity comes first."""
 
 
 class Knowledge:
-    """One robot's, brought up to date at each of its updates."""
+    """What one robot knows of itself, brought up to date at each of its updates."""
 
     def __init__(
         self, fleet: Fleet, index: int, source: str, start_w: Floats, goal_w: Floats | None, follows_pose: bool
     ) -> None:
-        """`start_w` (3,): its pose at the start. `follows_pose`: whether anybody asks for `pose_w`."""
+        """`start_w` (3,): its pose at the start. `follows_pose`: whether `pose_w` is needed."""
         self.fleet, self.index, self.source = fleet, index, source
         self.start_w, self.goal_w, self.follows_pose = start_w, goal_w, follows_pose
         self.pose_w = start_w.copy()
@@ -42,7 +42,7 @@ class Knowledge:
         self._true_heading = float(start_w[2])
 
     def tell(self, data: Any, elapsed: float, row: Floats) -> None:
-        """Fills the row of a law's `Own` (the encoders' motion is in it), and moves `pose_w` on.
+        """Fills in a law's row of numbers about itself, which holds the encoders' motion; brings `pose_w` up to date.
 
         `elapsed`: time since this was last called, s.
         """

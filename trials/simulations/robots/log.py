@@ -1,4 +1,4 @@
-"""What a trial writes down while it runs, and the `TrialResult` made of it."""
+"""What is kept of a trial while it runs, and the `TrialResult` made of it."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ SCANS_EVERY_S = 0.5
 
 @dataclass
 class Log:
-    """Rows as they come; arrays at the end."""
+    """Collects rows while a trial runs; makes arrays of them at the end."""
 
     trial: Trial
     robots: int
@@ -37,7 +37,7 @@ class Log:
     _next_scan: dict[int, float] = field(default_factory=dict)
 
     def sample(self, time: float, poses_w: Floats, odometry: Floats, bumpers: Bools) -> None:
-        """The true state at one moment."""
+        """Adds the true state at one moment."""
         self.times.append(time)
         self.poses_w.append(poses_w.copy())
         self.odometry.append(odometry.copy())
@@ -53,7 +53,7 @@ class Log:
         motion: Motion,
         command: tuple[float, float],
     ) -> None:
-        """One robot's update; `judgement` as `sensing.truth.judge` gives it."""
+        """Adds one robot's update; `judgement` as `sensing.truth.judge` gives it."""
         owners, states, lit, missed, made_up = judgement
         self.updates.append(
             (

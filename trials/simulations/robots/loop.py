@@ -30,7 +30,7 @@ def run_trial(trial: Trial, scans: str = "none", reraise: bool = False) -> Trial
     """Runs one trial and measures it; the same `Trial` gives the same result.
 
     `scans`: which scans to keep for a recording: `none`, `some` (2 Hz) or `all`. They do not change the result.
-    Physics that diverges, a law that returns nan or anything else that goes wrong ends the trial: `outcome` is then
+    Any error ends the trial, such as a simulation in MuJoCo that diverges or a law that returns nan: `outcome` is then
     `failed`, `reason` says why, and what was measured until then is kept; with `reraise` the error is raised instead.
     Raises `InputError` for a trial that cannot be set up.
     """
@@ -108,7 +108,7 @@ def run(herd: Herd, log: Log, last: int) -> None:
 
 
 def _check(herd: Herd, poses_w: Floats) -> None:
-    """Raises `TrialError` if physics diverged or a robot came to the end of its world."""
+    """Raises `TrialError` if MuJoCo's simulation diverged or a robot came to the end of its world."""
     world = herd.world
     # MuJoCo starts again from time 0 when positions, velocities or accelerations are no longer finite
     if not np.isfinite(poses_w).all() or abs(world.data.time - world.tick * herd.timestep) > 0.5 * herd.timestep:

@@ -92,7 +92,7 @@ KEY_MEASURES = (
     "fp_update_share",
     "mmd",
 )
-"""Those that a first look at a run needs."""
+"""The measures that a first look at a run needs."""
 HEADINGS = {
     "acts_as_snn_share": "acts\nas SNN",
     "reverted_share": "computes\nSNN",
@@ -101,7 +101,7 @@ HEADINGS = {
     "fn_share": "false\nneg.",
     "fp_update_share": "false\npos.",
 }
-"""Those that fit on a terminal, and the headings of their columns."""
+"""The measures that fit on a terminal, and the headings of their columns."""
 
 LATE = (
     "polarization",
@@ -112,11 +112,11 @@ LATE = (
     "straightness",
     "largest_share",
 )
-"""Means over the second half of the formation's measures."""
+"""Measures of the formation, each a mean over the second half of the trial."""
 
 
 def measure(result: TrialResult) -> dict[str, float]:
-    """The measures of one trial, by the names of `ABOUT`. Reads no `result.measures`."""
+    """The measures of one trial, by the names of `ABOUT`. `result.measures` is not read."""
     found = {
         **_behaviour(result),
         **_smoothness(result),

@@ -1,4 +1,4 @@
-"""What robots do about those whom they see, and about nobody: following one member, keeping the direction.
+"""How robots follow one member, and how they keep their direction while they see nobody.
 
 Source of what is measured: Fine 2015, section 4.2 and figure 4.3: a robot that selects one member follows the leader.
 """
@@ -15,11 +15,12 @@ from trials.simulations.robots.resolved import Resolved
 from trials.types import TrialResult, Updates
 
 SETTLED_S = 0.5
-"""Since somebody was last seen: scans, latency and the wheels' ramps take about 0.3 s to end a turn."""
+"""Time since the last input from which on a robot counts as blind: scans, latency and the wheels' ramps take about
+0.3 s to end a turn."""
 
 
 def followed(result: TrialResult) -> Ints:
-    """(U,) the member that a way-point is made from: all inputs in the law's sets are its own; −1: there is no such."""
+    """(U,) the one member to which all inputs in the law's sets belong, at updates with a way-point; else −1."""
     updates = result.updates
     chosen = np.full(len(updates.times), -1, dtype=np.int64)
     first = 0
@@ -37,7 +38,7 @@ def followed(result: TrialResult) -> Ints:
 
 
 def following(result: TrialResult) -> dict[str, float]:
-    """What robots do; nan where there were no updates to measure on."""
+    """The measures of this file; nan where there were no updates to measure on."""
     updates = result.updates
     return {
         "follow_share": _share(followed(result) >= 0, updates.kinds == Kind.WAY_POINT),
@@ -59,7 +60,7 @@ def _blind_turn(updates: Updates) -> float:
 
 
 def _of_one_owner(updates: Updates) -> Bools:
-    """(U,) whether all inputs of an update are of the same owner, and there are some."""
+    """(U,) whether an update has inputs and all of them have the same owner."""
     counts = np.diff(updates.input_starts)
     some = np.flatnonzero(counts)
     found = np.zeros(len(counts), dtype=np.bool_)
@@ -71,7 +72,7 @@ def _of_one_owner(updates: Updates) -> Bools:
 
 
 def _only_owner(updates: Updates, u: int, sets: list[list[selection.Chosen]]) -> int:
-    """The one member of which all inputs in the sets are; −1 if there are several, or none, or made-up ones."""
+    """The one member that made all inputs in the sets; −1 if several did, or none, or if some belong to nobody."""
     inputs = slice(updates.input_starts[u], updates.input_starts[u + 1])
     owners = updates.input_owners[inputs].astype(np.int64)
     kept = _chosen(updates.input_positions[inputs].astype(np.float64), owners, sets)

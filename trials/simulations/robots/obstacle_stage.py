@@ -1,4 +1,4 @@
-"""What a robot does about obstacles beside what its law does: their selection, virtual members, added avoidance.
+"""What a robot does about obstacles in addition to its law: their selection, virtual members, added avoidance.
 
 Fine 2015, section 3.6.1 with figure 3.3: obstacles are selected in parallel with neighbours; virtual members join the
 set D before neighbours are selected.
@@ -15,11 +15,11 @@ from trials.simulations.robots.fields import AVOID, VIRTUAL
 from trials.simulations.robots.resolved import Resolved
 
 AVOIDING = "avoiding"
-"""Name of the rule that speaks where the added avoidance turned a motion."""
+"""Name of the rule by which the added avoidance turned a motion."""
 
 
 class ObstacleStage:
-    """Of one group."""
+    """The obstacle selection, virtual members and avoidance of one group."""
 
     def __init__(self, resolved: Resolved) -> None:
         """Raises `InputError`."""
@@ -32,9 +32,10 @@ class ObstacleStage:
         self._needs_headings = "headings" in needs
 
     def heeded(self, detection: Detection, velocity: Floats) -> Detection:
-        """The obstacles that are selected, and after the members the virtual ones, if there are to be any.
+        """The selected obstacles, and the members, followed by virtual ones where the group has them.
 
-        A virtual member stands still while the robot does: then it has no heading, and is left out where one is needed.
+        The virtual members of a robot at rest stand still. They then have no heading, and are left out where the law
+        needs one.
         """
         obstacles = obstacle_selection.select(self.steps, detection.obstacles)
         members = detection.members
@@ -45,7 +46,7 @@ class ObstacleStage:
         return Detection(members, obstacles, detection.beams)
 
     def avoided(self, motion: Motion, velocity: Floats, dt: float, obstacles: Obstacles, rule: int) -> Motion:
-        """The motion, turned where an obstacle stands in its way; then `rule` speaks."""
+        """The motion, turned where an obstacle is in its way; its rule is then `rule`."""
         kind, x, y, turned = avoidance.avoid(
             motion.kind,
             motion.x,

@@ -17,18 +17,18 @@ NO_INTENSITY_COLOUR = 0x8A8F98FF
 INTENSITY_STOPS = np.array([0.0, 0.35, 0.6, 0.8, 1.0])
 INTENSITY_COLOURS = np.array([[58, 70, 110], [70, 120, 180], [88, 200, 180], [250, 210, 90], [255, 255, 240]])
 INTENSITY_DECADES = (-1.5, 3.5)
-"""Intensities from 0.03 to 3000 times that of a white surface at 1 m spread over the colours, by their logarithm."""
+"""Decimal logarithms of the intensities at the ends of the colours: 0.03 and 3000 times a white surface at 1 m."""
 INTENSITY_LEVELS = 32
-"""Few, so that neighbouring beams often have the same colour and the file packs well."""
+"""Few, so that neighbouring beams often have the same colour and the file compresses well."""
 DENSE_INPUTS = 10
 """Where a law was given more inputs an update than this on average, and only some scans are kept, only the
 inputs at the kept scans are recorded: they are points of those scans, and the file stays small."""
 SPARSE_INPUTS = 32
-"""Of those, at most this many an update, evenly picked: drawn, they overlap anyway."""
+"""At most so many of these inputs an update are recorded, evenly picked: more would overlap on the screen."""
 
 
 def send_updates(recording: rr.RecordingStream, result: TrialResult) -> None:
-    """What each robot detected, where it wants to go, and which rule said so."""
+    """Sends what each robot detected, its way-points, and the rules that chose them."""
     updates = result.updates
     if len(updates.times) == 0:
         return
@@ -77,7 +77,7 @@ def _way_points(
     aimed: Bools,
     colours: NDArray[np.uint32],
 ) -> None:
-    """A row an update; empty where the law gave no way-point."""
+    """Sends a row for each update; it is empty where the law gave no way-point."""
     style = rr.Arrows2D.from_fields(radii=[0.01], draw_order=39.0)
     recording.log(entity, style, static=True)
     columns = rr.Arrows2D.columns(origins=origins[aimed], vectors=(way_points - origins)[aimed], colors=colours[aimed])
@@ -87,7 +87,7 @@ def _way_points(
 def _members(
     recording: rr.RecordingStream, entity: str, updates: Updates, some: Ints, picked: Bools, colour: int
 ) -> None:
-    """The picked inputs of the updates `some`, a row an update."""
+    """Sends the picked inputs of the updates `some`, a row for each update."""
     if len(some) == 0:
         return
     starts, ends = updates.input_starts[some], updates.input_starts[some + 1]
@@ -121,7 +121,7 @@ def _shown_inputs(result: TrialResult) -> tuple[Bools, Bools]:
 
 
 def send_scans(recording: rr.RecordingStream, result: TrialResult) -> None:
-    """A row a scan: its returns in the world; codes (no return, too near, error) are left out."""
+    """Sends a row for each scan: its returns in the world, without the codes (no return, too near, error)."""
     scans = result.scans
     if scans is None or len(scans.times) == 0:
         return
@@ -133,7 +133,7 @@ def send_scans(recording: rr.RecordingStream, result: TrialResult) -> None:
         ranges, poses = scans.ranges[mine], scans.poses_w[mine]
         hit = np.isfinite(ranges)
         levels = intensity_levels(scans.intensities[mine])
-        order = np.argsort(levels, axis=1, kind="stable")  # equal colours side by side pack to almost nothing
+        order = np.argsort(levels, axis=1, kind="stable")  # equal colours side by side compress to almost nothing
         hit, levels = np.take_along_axis(hit, order, 1), np.take_along_axis(levels, order, 1)
         points = np.take_along_axis(scan_points(ranges, poses, directions), order[..., None], 1)[hit]
         entity = f"world/scans/{name}"

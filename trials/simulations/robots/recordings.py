@@ -1,21 +1,21 @@
-"""A finished trial as a recording for the Rerun viewer: one `.rrd` file with its own screen layout.
+"""A finished trial as a recording for the Rerun viewer: one `.rrd` file with its own layout.
 
 Entities (times on the timeline `time`, s; lengths in metres, world frame):
 
-    world                       static transform: the viewer's plane has y downwards, ours upwards
-    world/walls, world/paths    the walls; the whole way of each robot
-    world/robots/ROBOT          its pose over time; below it what moves with it: body, heading, bumpers pressed
-    world/trails                the same piece by piece (the layout shows the last seconds of it)
+    world                       static transform: the viewer's plane has y downwards, the world upwards
+    world/walls, world/paths    the walls; the whole path of each robot
+    world/robots/ROBOT          its pose over time; below it body, heading and pressed bumpers, which move with it
+    world/trails                the path in pieces (the layout shows those of the last seconds)
     world/scans/ROBOT           returns, coloured by intensity (grey where it was not given)
     world/members/ROBOT         the inputs to the law; false positives in a colour of their own
-    world/way_points/ROBOT      from the robot to its way-point, in the colour of the rule that spoke
+    world/way_points/ROBOT      from the robot to its way-point, in the colour of the rule that chose it
     world/contacts, events      where a robot began to touch something; the same in words
-    rules/ROBOT, bumpers/ROBOT  states, a row a change
+    rules/ROBOT, bumpers/ROBOT  states, a row for each change
     measures/NAME, rule_shares/RULE, nearest_inputs/ROBOT  series for the plots
     herd                        a transform that follows the centre of the herd
     about                       the trial in words
 
-Everything is sent in columns: a call an entity, not a call a row.
+Everything is sent in columns, with one call for each entity instead of one for each row.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ PATH_ALPHA = 0x50
 HEADING_COLOUR = 0xF5F7FAFF
 CONTACT_COLOUR = 0xFFFFFFFF
 TRAIL_SAMPLES = 5
-"""Samples of a robot's way that are drawn in one piece."""
+"""Samples of a robot's path that are drawn in one piece."""
 PLOT_SAMPLES = 2
 """Samples from one point of a plot to the next."""
 FOLLOW_S = 2.0
@@ -50,10 +50,10 @@ SHARE_S = 1.0
 
 
 def write(result: TrialResult, path: Path) -> None:
-    """Writes the recording of a finished trial to `path`, replacing what is there.
+    """Writes the recording of a finished trial to `path`, in place of what is there.
 
-    It holds the scans that `result.scans` holds; of a failed trial what there is. Raises `OSError` where the
-    file cannot be written whole.
+    It holds the scans in `result.scans`; of a failed trial, all that was measured. Raises `OSError` where the file
+    cannot be written whole.
     """
     with opened(result.trial, path, screen.blueprint(result)) as recording:
         _world(recording, result)
@@ -73,7 +73,7 @@ def _world(recording: rr.RecordingStream, result: TrialResult) -> None:
 
 
 def _robots(recording: rr.RecordingStream, result: TrialResult) -> None:
-    """Poses, bodies, ways, and the view that follows the herd."""
+    """Sends poses, bodies, paths, and the frame that follows the herd."""
     sound = np.isfinite(result.poses_w).all(axis=(1, 2))
     times, poses = result.times[sound], result.poses_w[sound]
     colours = member_colours(len(result.robot_names))
@@ -96,7 +96,7 @@ def _robots(recording: rr.RecordingStream, result: TrialResult) -> None:
 
 
 def _body(recording: rr.RecordingStream, robot: str, name: str, radius: float, colour: NDArray[np.uint32]) -> None:
-    """What stands still in the robot's frame: a disc with its name, and an arrow ahead."""
+    """Sends what is fixed in the robot's frame: a disc with its name, and an arrow ahead."""
     disc = rr.Points2D([[0.0, 0.0]], radii=[radius], colors=colour, labels=[name], draw_order=20.0)
     ahead = rr.Arrows2D(
         origins=[[0.0, 0.0]],
@@ -115,7 +115,7 @@ def _ways(
     positions: NDArray[np.float32],
     colours: NDArray[np.uint32],
 ) -> None:
-    """The whole way of each robot, faint, and the same cut into pieces, each at the time of its end."""
+    """Sends the whole path of each robot, faint, and the same cut into pieces, each at the time of its end."""
     robots = positions.shape[1]
     faint = (colours & np.uint32(0xFFFFFF00)) | np.uint32(PATH_ALPHA)
     paths = [np.ascontiguousarray(positions[:, k]) for k in range(robots)]
@@ -134,7 +134,7 @@ def _ways(
 
 
 def _bumpers(recording: rr.RecordingStream, result: TrialResult, k: int) -> None:
-    """Arcs at the front of the robot while a bumper is pressed, and the same as states; a row a change."""
+    """Sends arcs at the front of the robot while a bumper is pressed, and the same as states; a row for each change."""
     if len(result.times) == 0:
         return
     name, radius = result.robot_names[k], 1.12 * float(result.radii[k])
@@ -172,7 +172,7 @@ def _contacts(recording: rr.RecordingStream, result: TrialResult) -> None:
 
 
 def _plots(recording: rr.RecordingStream, result: TrialResult) -> None:
-    """The measures over time, and the share of each rule."""
+    """Sends the measures over time, and the share of each rule."""
     sound = np.isfinite(result.poses_w).all(axis=(1, 2))
     times, poses = result.times[sound][::PLOT_SAMPLES], result.poses_w[sound][::PLOT_SAMPLES]
     if len(times):
@@ -192,7 +192,7 @@ def _plots(recording: rr.RecordingStream, result: TrialResult) -> None:
 
 
 def rule_shares(result: TrialResult) -> dict[str, tuple[Floats, Floats]]:
-    """For each rule: times (s) and the share of all robots' updates in the `SHARE_S` before in which it spoke."""
+    """For each rule: times (s), and its share of all robots' updates in the `SHARE_S` before."""
     updates = result.updates
     if len(updates.times) == 0:
         return {}

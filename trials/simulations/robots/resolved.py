@@ -1,4 +1,4 @@
-"""A group of robots with all that its names and numbers stand for."""
+"""A group of robots with its names looked up and its numbers checked and filled in."""
 
 from __future__ import annotations
 
@@ -33,11 +33,11 @@ class Wanted(NamedTuple):
 
     needs: frozenset[str]
     missing: frozenset[str]
-    """What the pipeline does not give."""
+    """The needs that the pipeline does not meet."""
     inferable: frozenset[str]
-    """What association gives of that."""
+    """Those of the missing that association can infer."""
     own_pose: bool
-    """Whether a robot must follow its own pose."""
+    """Whether a robot must keep its own pose up to date."""
 
     @property
     def associate(self) -> bool:
@@ -47,14 +47,17 @@ class Wanted(NamedTuple):
 
 @dataclass(frozen=True)
 class Resolved:
-    """Each of these is looked up when it is first asked for, and raises `InputError` where a name or number of the
-    group cannot be."""
+    """What the names and numbers of a group stand for.
+
+    Each property is looked up when it is first read, and raises `InputError` for a name that does not exist or a number
+    that does not fit.
+    """
 
     group: Group
 
     @cached_property
     def given(self) -> GroupFields:
-        """Its fields with everything filled in."""
+        """The group's fields with everything filled in."""
         return of_group(self.group)
 
     @cached_property
@@ -64,7 +67,7 @@ class Resolved:
 
     @cached_property
     def law_parameters(self) -> Any:
-        """The values with which Creates run the law: given, else for Creates, else the law's own."""
+        """The law's parameters on robots: the group's values, else those for Creates, else the law's own."""
         given = {**self.for_creates, **self.group.law_parameters}
         return lawentry.parameters_of(self.group.law, self.law, given, f"{self.group.name}.law.")
 
@@ -85,6 +88,11 @@ class Resolved:
         """The member detection's file."""
         return found.load(PIPELINES, self.group.pipeline, "pipeline")
 
+    @property
+    def pipeline_reads(self) -> frozenset[str]:
+        """What the member detection reads of a robot's senses."""
+        return frozenset(self.pipeline.READS)
+
     @cached_property
     def pipeline_parameters(self) -> Any:
         """The member detection's parameters."""
@@ -93,7 +101,7 @@ class Resolved:
 
     @cached_property
     def body(self) -> Body:
-        """What its robots are."""
+        """The body of its robots."""
         return bodies.load(self.given.body)
 
     @cached_property
@@ -115,7 +123,7 @@ class Resolved:
 
     @cached_property
     def wanted(self) -> Wanted:
-        """What its law needs; whether that can be had is for `information.check` to say."""
+        """What its law needs; `information.check` refuses a group that cannot have it."""
         needs = lawentry.needs_of(self.law) | selection.needs(step for steps in self.selections for step in steps)
         if self.avoids:
             needs |= {"obstacles"}
@@ -131,11 +139,11 @@ class Resolved:
 
     @property
     def avoids(self) -> bool:
-        """Whether obstacles are heeded beside what the law does about them."""
+        """Whether obstacles are avoided, or made virtual members, in addition to what the law does about them."""
         return self.given.obstacles != AS_LAW
 
     def look_all_up(self) -> None:
-        """Raises `InputError` if any name or number of the group cannot be."""
+        """Reads every property. Raises `InputError` for a name that does not exist or a number that does not fit."""
         names = (
             "given",
             "law_parameters",

@@ -1,4 +1,4 @@
-"""One robot's mind: the five stages as five methods, called by the loop."""
+"""One robot of a trial: the five stages as methods, called by the loop."""
 
 from __future__ import annotations
 
@@ -27,17 +27,17 @@ _AHEAD = 64
 
 @cache
 def _everyone(sets: int, members: int) -> Bools:
-    """Masks that keep everybody. Laws do not write to their sets."""
+    """Masks that keep all members; made once and shared, since laws do not write to their sets."""
     return np.ones((sets, members), dtype=np.bool_)
 
 
 class LawError(ValueError):
-    """A law returned what it must not."""
+    """A law failed, or returned what is no motion."""
 
 
 @dataclass
 class Robot:
-    """The k-th robot of a trial: its clock, its stages, and what it remembers between updates."""
+    """One robot: its clock, its stages, and what it remembers between updates."""
 
     index: int
     name: str
@@ -63,7 +63,7 @@ class Robot:
     lasers: Lasers | None
     knowledge: Knowledge
     association: Association | None
-    """Of detections that lack what the law needs."""
+    """Infers what the law needs and detections lack; None where they lack nothing."""
     obstacle_stage: ObstacleStage
     role: int
     memory: Floats
@@ -83,6 +83,7 @@ class Robot:
     _motion_row: Floats = field(default_factory=lambda: np.zeros(4))
 
     def __post_init__(self) -> None:
+        self._followed = frozenset(int(kind) for kind in self.body.follows)
         self._velocity, self._goal = self._own_row[0:2], self._own_row[GOAL]
         self._reads_intensity = "intensity" in self.reads
         self._reads_owners = "owners" in self.reads
@@ -95,11 +96,11 @@ class Robot:
     def sense(
         self, data: Any, time: float, truth: WorldTruth | None, *, record: bool
     ) -> tuple[Senses, ScanTruth | None]:
-        """Stage 1. The second value is ground truth: it goes past the robot, to the log.
+        """Stage 1, sensing. The second value is ground truth, for the log alone.
 
-        Nothing that nobody reads is sensed, unless it is recorded. A robot that is due again before its laser has made
-        another scan acts on the last one. Where intensity costs ranges (the laser's modes but
-        `ideal`) a recording goes without it, so that it does not change what the robot sees.
+        A robot that is due again before its laser has made another scan acts on the last one. What neither the pipeline
+        nor the recording reads is not sensed. In the laser's modes other than `ideal`, intensities cost ranges: a
+        recording then goes without them, so that recording does not change what the robot sees.
         """
         row, contacts = self._own_row, self._contacts
         self.fleet.own(self.index, row, contacts)
@@ -122,7 +123,7 @@ class Robot:
         return Senses(scan, truth, scan_truth.owners if self._reads_owners else None), scan_truth
 
     def detect(self, senses: Senses) -> Detection:
-        """Stage 2, with what association infers from the detection before."""
+        """Stage 2, member detection and obstacle detection, with what association infers from the detection before."""
         detection, self.pipeline_state = self.pipeline.detect(senses, self.own, self.pipeline_state)
         if self.association is None:
             return detection
@@ -130,11 +131,11 @@ class Robot:
         return self.association.infer(detection, time, self.knowledge.pose_w)
 
     def heed(self, detection: Detection) -> Detection:
-        """Stage 7, obstacle selection, and where the group has them the virtual members that obstacles make."""
+        """Stage 7, obstacle selection; adds the virtual members that obstacles make, where the group has them."""
         return self.obstacle_stage.heeded(detection, self._velocity) if self.obstacle_stage.acts else detection
 
     def select(self, members: Members) -> Bools:
-        """Stage 3: masks (S, M)."""
+        """Stage 3, neighbour selection: masks (S, M)."""
         if not any(self.selections):
             return _everyone(len(self.selections), len(members.ids))
         sets = np.ones((len(self.selections), len(members.ids)), dtype=np.bool_)
@@ -144,7 +145,7 @@ class Robot:
         return sets
 
     def decide(self, detection: Detection, sets: Bools) -> Motion:
-        """Stage 4. Raises `LawError` if the law fails, or returns an unknown kind or rule or numbers not finite."""
+        """Stage 4, motion computation. Raises `LawError` if the law fails or returns what is no motion."""
         draws = self._draw()
         row = self._motion_row
         members = detection.members
@@ -171,17 +172,22 @@ class Robot:
             raise LawError(
                 f"law {self.law.name!r} returned kind {kind:g}, x {x:g}, y {y:g}, rule {rule:g} for {self.name}"
             )
+        if int(kind) not in self._followed:
+            raise LawError(
+                f"law {self.law.name!r} returned {Kind(int(kind)).name.lower()} for {self.name}, a motion that body "
+                f"{self.body.name!r} does not follow"
+            )
         return Motion(int(kind), x, y, int(rule))
 
     def avoid(self, motion: Motion, detection: Detection) -> Motion:
-        """What the avoidance of obstacles makes of the law's motion, where the group has it added."""
+        """The law's motion, changed by the avoidance of obstacles where the group has it added."""
         if not self.obstacle_stage.avoids:
             return motion
         return self.obstacle_stage.avoided(motion, self._velocity, self.dt, detection.obstacles, len(self.law.rules))
 
     @property
     def rules(self) -> tuple[str, ...]:
-        """Names that `Motion.rule` is an index into: the law's, and the avoidance where it is added."""
+        """The names that `Motion.rule` is an index into: the law's, and that of the avoidance where it is added."""
         return (*self.law.rules, AVOIDING) if self.obstacle_stage.avoids else self.law.rules
 
     def _draw(self) -> Floats:
@@ -193,7 +199,7 @@ class Robot:
         return draws
 
     def drive(self, motion: Motion) -> tuple[float, float]:
-        """Stage 5, first half: what the wheels shall do; takes effect when `apply` is called after the latency."""
+        """Stage 5, first half: the command for the wheels, which `apply` gives to them after the latency."""
         self.command = self.body.follow(
             motion.kind, motion.x, motion.y, self.cruise_m_s, self.command[0], self.command[1], self.dt
         )

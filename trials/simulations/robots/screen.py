@@ -1,4 +1,4 @@
-"""How a recording opens in the viewer: which views, what each shows, and in which colours."""
+"""The layout of a recording in the viewer: its views, what each shows, and the colours."""
 
 from __future__ import annotations
 
@@ -6,17 +6,17 @@ import numpy as np
 import rerun.blueprint as rrb
 
 from flocking.types import Floats
-from trials.simulations.columns import TIMELINE
+from trials.simulations import views
 from trials.simulations.robots.fields import of_group, of_trial
 from trials.types import TrialResult
 
 TRAIL_S = 15.0
-"""Of its way, what a robot draws behind it."""
+"""How long the path behind a robot stays in sight, s."""
 CONTACT_S = 1.5
-"""How long a contact stays in sight."""
+"""How long a contact stays in sight, s."""
 
 IDLE_COLOUR = 0x6B7280FF
-"""Of the rule `none`."""
+"""Colour of the rule `none`."""
 RULE_COLOURS = (0x3B9BFFFF, 0xFFB000FF, 0xDC267FFF, 0x44C26DFF, 0xA678F0FF, 0x2ED1C9FF)
 
 
@@ -36,22 +36,21 @@ def blueprint(result: TrialResult) -> rrb.Blueprint:
     """Plan views and the rules on the left, plots and words on the right."""
     half_width, half_height = _reach(result)
     low, high = _ground(result)
-    plan = ["+ /world/**"]
-    close = rrb.Spatial2DView(
+    everything = ["+ /world/**"]
+    close = views.plan(
+        "Plan, following the herd",
+        everything,
+        (-half_width, half_width),
+        (-half_height, half_height),
+        {"world/trails": TRAIL_S, "world/contacts": CONTACT_S},
         origin="/herd",
-        contents=plan,
-        name="Plan, following the herd",
-        background=[14, 17, 23],
-        visual_bounds=rrb.VisualBounds2D(x_range=(-half_width, half_width), y_range=(-half_height, half_height)),
-        overrides={"world/trails": _window(TRAIL_S), "world/contacts": _window(CONTACT_S)},
     )
-    whole = rrb.Spatial2DView(
-        origin="/",
-        contents=[*plan, "- /world/scans/**", "- /world/members/**", "- /world/way_points/**", "- /world/trails"],
-        name="Whole way",
-        background=[14, 17, 23],
-        visual_bounds=rrb.VisualBounds2D(x_range=(low[0], high[0]), y_range=(-high[1], -low[1])),
-        overrides={"world/contacts": _window(CONTACT_S)},
+    whole = views.plan(
+        "Whole way",
+        [*everything, "- /world/scans/**", "- /world/members/**", "- /world/way_points/**", "- /world/trails"],
+        (low[0], high[0]),
+        (-high[1], -low[1]),
+        {"world/contacts": CONTACT_S},
     )
     states = rrb.Tabs(
         rrb.StateTimelineView(origin="/rules", name="Rule that acts"),
@@ -59,71 +58,38 @@ def blueprint(result: TrialResult) -> rrb.Blueprint:
         rrb.TextLogView(origin="/events", name="Contacts"),
     )
     plots = [
-        _plot("Order", ["/measures/polarization", "/measures/straightness"], (0.0, 1.05)),
-        _plot("Median distance from the centre (m)", ["/measures/mmd"]),
-        _plot("Speed of the group (m/s)", ["/measures/group_speed"]),
-        _plot("Number of groups", ["/measures/groups"], (0.0, len(result.robot_names) + 0.5)),
+        views.plot("Order", ["/measures/polarization", "/measures/straightness"], (0.0, 1.05)),
+        views.plot("Median distance from the centre (m)", ["/measures/mmd"]),
+        views.plot("Speed of the group (m/s)", ["/measures/group_speed"]),
+        views.plot("Number of groups", ["/measures/groups"], (0.0, len(result.robot_names) + 0.5)),
         rrb.Tabs(
-            _plot("Share of each rule", ["/rule_shares/**"], (0.0, 1.05)),
-            _plot("Distance to the nearest input (m)", ["/nearest_inputs/**"]),
+            views.plot("Share of each rule", ["/rule_shares/**"], (0.0, 1.05)),
+            views.plot("Distance to the nearest input (m)", ["/nearest_inputs/**"]),
             rrb.TextDocumentView(origin="/about", name="About"),
         ),
     ]
-    return rrb.Blueprint(
+    return views.layout(
         rrb.Horizontal(
             rrb.Vertical(close, whole, states, row_shares=[5, 1.3, 2.9]),
             rrb.Vertical(*plots, row_shares=[1, 1, 1, 1, 1.7]),
             column_shares=[2, 1],
-        ),
-        rrb.TimePanel(timeline=TIMELINE, state="collapsed", play_state="playing", loop_mode="all"),
-        rrb.BlueprintPanel(state="collapsed"),
-        rrb.SelectionPanel(state="collapsed"),
+        )
     )
 
 
 def about(result: TrialResult) -> str:
     """The trial in words (Markdown)."""
     trial, given = result.trial, of_trial(result.trial)
-    lines = [
-        f"# {trial.experiment}, trial {trial.index}",
-        f"Seed {trial.seed}, repeat {trial.repeat}; {trial.world}, formation {trial.formation}; "
-        f"{given.duration_s:g} s in steps of {given.timestep_s:g} s.",
-        f"**{result.outcome}**{': ' + result.reason if result.reason else ''}",
-        "",
-    ]
-    lines += [f"- `{key}` = {value}" for key, value in trial.conditions.items()]
-    lines += [
-        f"- {group.count} x {group.name}: {given.body}, {given.sensors} laser, {group.pipeline}, {group.law}"
-        for group in trial.groups
-        for given in (of_group(group),)
-    ]
-    if result.measures:
-        lines += ["", "| measure | value |", "|---|---|"]
-        lines += [f"| {name} | {value:.4g} |" for name, value in result.measures.items()]
-    return "\n".join(lines)
-
-
-def _plot(name: str, contents: list[str], y_range: tuple[float, float] | None = None) -> rrb.TimeSeriesView:
-    return rrb.TimeSeriesView(
-        origin="/",
-        contents=[f"+ {path}" for path in contents],
-        name=name,
-        axis_y=rrb.ScalarAxis(range=y_range) if y_range else None,
-        plot_legend=rrb.PlotLegend(visible=len(contents) > 1 or contents[0].endswith("**")),
-    )
-
-
-def _window(seconds: float) -> rrb.VisibleTimeRanges:
-    """Shows what was logged in the last `seconds` before the time shown."""
-    return rrb.VisibleTimeRanges(
-        timeline=TIMELINE,
-        start=rrb.TimeRangeBoundary.cursor_relative(seconds=-seconds),
-        end=rrb.TimeRangeBoundary.cursor_relative(),
-    )
+    groups = []
+    for group in trial.groups:
+        its = of_group(group)
+        groups.append(f"{its.body}, {its.sensors} laser, {group.pipeline}, {group.law}")
+    course = f"{trial.world}, formation {trial.formation}; {given.duration_s:g} s in steps of {given.timestep_s:g} s"
+    return views.about(result, course, groups)
 
 
 def _reach(result: TrialResult) -> tuple[float, float]:
-    """Half width and height (m) of the view that follows: the usual width of the herd, within bounds."""
+    """Half width and half height (m) of the view that follows the herd: those of the herd, within bounds."""
     positions = result.poses_w[np.isfinite(result.poses_w).all(axis=(1, 2)), :, :2]
     if positions.size == 0:
         return 3.0, 1.6
@@ -133,7 +99,7 @@ def _reach(result: TrialResult) -> tuple[float, float]:
 
 
 def _ground(result: TrialResult) -> tuple[Floats, Floats]:
-    """Corners (2,), (2,) of where the robots went, m, with some room, and no wider than is useful."""
+    """Lower and upper corner (2,), (2,) of the area where the robots went, with a margin, m."""
     positions = result.poses_w[..., :2].reshape(-1, 2)
     positions = positions[np.isfinite(positions).all(axis=1)]
     if len(positions) == 0:

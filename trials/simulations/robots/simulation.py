@@ -1,4 +1,4 @@
-"""Robots in MuJoCo, as a simulation that trials can name."""
+"""The simulation `robots`: robots in MuJoCo that see through simulated sensors."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def run_trial(trial: Trial, scans: str, reraise: bool) -> TrialResult:
 
 
 def record(result: TrialResult, path: Path) -> None:
-    """Writes the recording. Rerun is imported here alone: it takes long."""
+    """Writes the recording. Rerun is imported only here, since importing it takes long."""
     from trials.simulations.robots.recordings import write
 
     write(result, path)
@@ -45,7 +45,7 @@ def limit_s(trial: Trial) -> float:
 
 
 def moment(trial: Trial) -> Trial:
-    """The first second."""
+    """The trial's first second."""
     seconds = min(MOMENT_S, fields.of_trial(trial).duration_s)
     return with_setup(trial, {"duration_s": seconds})
 
@@ -58,18 +58,18 @@ def prepare() -> None:
 
 
 def at_step(trial: Trial, step: int) -> str:
-    """A physics step by its time."""
+    """A step of the simulation by its time."""
     return f"at {step * fields.of_trial(trial).timestep_s:.2f} s"
 
 
 def constants(trial: Trial) -> list[str]:
-    """Modules of the bodies that take part, each once, and of what all robots share."""
+    """Modules with the constants of the bodies that take part, and of what all robots share."""
     of_bodies = [name for group in trial.groups for name in bodies.load(fields.of_group(group).body).constants]
     return [*dict.fromkeys(of_bodies), *CONSTANTS]
 
 
 def listed(kind: str) -> Mapping[str, object]:
-    """Its bodies, worlds and formations."""
+    """The bodies, worlds or formations of robots."""
     if kind == "bodies":
         return {name: bodies.package(name) for name in bodies.names()}
     if kind == "worlds":

@@ -1,4 +1,4 @@
-"""Where the robots of a trial stand at first: in the trial's formation, or a group in one of its own."""
+"""Where the robots of a trial start: in the trial's formation, or, as a group, in one of its own."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def starting_poses(trial: Trial) -> Floats:
 
 
 def check_starts(names: list[str], poses_w: Floats, radii: Floats, walls: Floats) -> None:
-    """Refuses robots that stand in one another or in a wall at the start: `InputError`.
+    """Refuses robots that overlap one another or a wall at the start: `InputError`.
 
     poses_w (N, 3); radii (N,) m; walls (K, 4) segments with free space on their left.
     """

@@ -1,4 +1,4 @@
-"""A trial's world as MJCF text, to be opened in any MuJoCo viewer."""
+"""A trial's world as MJCF text, for any MuJoCo viewer."""
 
 from __future__ import annotations
 

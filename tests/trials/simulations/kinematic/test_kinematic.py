@@ -12,7 +12,7 @@ import pytest
 
 from flocking.errors import InputError
 from flocking.types import Floats
-from trials import simulations
+from trials import keys, simulations
 from trials.batch import series
 from trials.simulations.kinematic import fields, formations
 from trials.simulations.kinematic.fields import group, trial
@@ -21,7 +21,7 @@ from trials.simulations.tracks import period_of, strips
 from trials.types import Trial
 
 EXACT = 1e-9
-"""Relative: sums of a few hundred steps in double precision."""
+"""Relative error of sums over a few hundred steps in double precision."""
 FAILING = '''
 import math
 from typing import NamedTuple
@@ -35,7 +35,7 @@ class Parameters(NamedTuple):
 
 
 def law(own, members, sets, obstacles, parameters, memory, u):
-    """Straight on; the third member loses its mind."""
+    """Straight on; the third member returns nan."""
     return Motion(Kind.VELOCITY, math.nan if own.id == 2 else 0.1, 0.0, 0)
 '''
 
@@ -158,16 +158,16 @@ class TestResult:
         noisy = trial("test", 1, [group("vicsek", 30, law_parameters={"noise_rad": 1.0})], steps=20)
         packed = [series.pack(simulations.run_trial(noisy)) for _ in range(2)]
         assert packed[0] == packed[1]
-        turns = simulations.run_trial(simulations.put(noisy, "synchronous", False))
+        turns = simulations.run_trial(keys.put(noisy, "synchronous", False))
         assert not np.allclose(turns.poses_w[-1], simulations.run_trial(noisy).poses_w[-1])
 
     def test_only_every_so_many_steps_are_kept(self) -> None:
-        result = simulations.run_trial(simulations.put(straight(steps=40), "every", 10))
+        result = simulations.run_trial(keys.put(straight(steps=40), "every", 10))
         assert result.times == pytest.approx([0.0, 10.0, 20.0, 30.0, 40.0])
 
     def test_a_law_that_fails_fails_its_trial_and_is_named_with_member_and_step(self, tmp_path: Path) -> None:
         (tmp_path / "mine.py").write_text(FAILING)
-        failing = simulations.put(straight(count=5), "herd.law", str(tmp_path / "mine.py"))
+        failing = keys.put(straight(count=5), "herd.law", str(tmp_path / "mine.py"))
         result = simulations.run_trial(failing)
         assert result.outcome == "failed"
         assert "mine.py" in result.reason
@@ -208,15 +208,15 @@ class TestKeys:
             trial("test", 1, [group("couzin", 9, informed_share=0.5)], formation="split-group"),
         ]
         for one in everything:
-            for row in simulations.rows(one):
-                again = simulations.put(one, row.key, row.value)
-                assert {r.key: r.value for r in simulations.rows(again)}.get(row.key) == row.value
+            for row in keys.rows(one):
+                again = keys.put(one, row.key, row.value)
+                assert {r.key: r.value for r in keys.rows(again)}.get(row.key) == row.value
 
     def test_what_is_left_open_follows_the_law(self) -> None:
         one = straight()
-        values = {row.key: row.value for row in simulations.rows(one)}
+        values = {row.key: row.value for row in keys.rows(one)}
         assert (values["timestep_s"], values["herd.speed_m_s"], values["formation.spacing_m"]) == (1.0, 0.03, 0.5)
-        other = {row.key: row.value for row in simulations.rows(simulations.put(one, "herd.law", "couzin"))}
+        other = {row.key: row.value for row in keys.rows(keys.put(one, "herd.law", "couzin"))}
         assert (other["timestep_s"], other["formation.spacing_m"]) == (0.2, 1.5)
 
     @pytest.mark.parametrize(
@@ -240,19 +240,19 @@ class TestKeys:
     )
     def test_what_does_not_exist_or_fit_is_refused(self, key: str, value: Any, expected: str) -> None:
         with pytest.raises(InputError, match=expected):
-            simulations.put(straight(), key, value)
+            keys.put(straight(), key, value)
 
     def test_sets_named_side_by_side_are_checked_with_the_law(self) -> None:
-        couzin = simulations.put(straight(), "herd.law", "couzin")
+        couzin = keys.put(straight(), "herd.law", "couzin")
         text = "repulsion: nearest; interaction: distance-based(1, 3)"
-        simulations.check(simulations.put(couzin, "herd.selection", text))
+        simulations.check(keys.put(couzin, "herd.selection", text))
         with pytest.raises(InputError, match="did you mean repulsion"):
-            simulations.check(simulations.put(couzin, "herd.selection", text.replace("repulsion", "repulsoin")))
+            simulations.check(keys.put(couzin, "herd.selection", text.replace("repulsion", "repulsoin")))
 
     def test_a_law_that_needs_more_than_bearings_is_refused_them(self) -> None:
         with pytest.raises(InputError, match=r"vicsek.*headings.*information=poses"):
-            simulations.check(simulations.put(straight(), "herd.information", "bearings"))
+            simulations.check(keys.put(straight(), "herd.information", "bearings"))
 
     def test_too_many_positions_to_keep_are_refused_with_a_way_out(self) -> None:
         with pytest.raises(InputError, match="every="):
-            simulations.check(simulations.put(straight(count=10_000), "steps", 1_000_000))
+            simulations.check(keys.put(straight(count=10_000), "steps", 1_000_000))

@@ -1,4 +1,4 @@
-"""Leaders in kinematic herds: the first members of a group, told their role, and nothing else of the herd changed."""
+"""Leaders in kinematic herds: the first members of a group have another role, and nothing else of the herd changes."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import pytest
 
 from flocking.errors import InputError
 from flocking.measures.formation import polarization
-from trials import simulations
+from trials import keys, simulations
 from trials.simulations.kinematic import fields
 from trials.simulations.kinematic.herd import assemble, check
 from trials.types import Trial, Value
@@ -41,7 +41,7 @@ def test_a_law_that_knows_them_moves_otherwise() -> None:
 def test_followers_linked_to_a_leader_take_up_its_heading() -> None:
     """Jadbabaie, Lin and Morse 2003: all linked at all times, so every follower comes to the leader's heading."""
     trial = herd("jadbabaie-leader", 1, steps=1000)
-    led = simulations.run_trial(simulations.put(trial, "herd.law.range_m", 100.0))
+    led = simulations.run_trial(keys.put(trial, "herd.law.range_m", 100.0))
     headings = led.poses_w[-1, :, 2]
     # each step takes 1/20 of the way from the others' mean to the leader: (1 - 1/20)^1000 = 5e-23
     assert np.cos(headings - headings[0]).min() == pytest.approx(1.0, abs=1e-12)
@@ -49,9 +49,9 @@ def test_followers_linked_to_a_leader_take_up_its_heading() -> None:
 
 
 def test_goals_and_members_own_parameters_stay_with_their_members() -> None:
-    spread = simulations.put(herd("couzin", 0), "herd.spread.rho_m", 0.3)
+    spread = keys.put(herd("couzin", 0), "herd.spread.rho_m", 0.3)
     (whole,) = assemble(spread).bands
-    first, others = assemble(simulations.put(spread, "herd.leaders", 4)).bands
+    first, others = assemble(keys.put(spread, "herd.leaders", 4)).bands
     assert (first.count, others.count) == (4, COUNT - 4)
     assert (first.role, others.role) == (1, 0)
     assert [*first.parameters, *others.parameters] == list(whole.parameters)
@@ -63,7 +63,7 @@ def test_goals_and_members_own_parameters_stay_with_their_members() -> None:
 def test_kinds_and_radii_are_those_of_the_groups() -> None:
     groups = [fields.group("couzin", 6, name=name, informed_share=0.5, radius_m=0.1) for name in ("first", "second")]
     trial = fields.trial("made-up", 1, groups, steps=2)
-    led = simulations.put(trial, "first.leaders", 2)
+    led = keys.put(trial, "first.leaders", 2)
     assert len(assemble(led).bands) == 3
     np.testing.assert_array_equal(assemble(led).kinds, assemble(trial).kinds)
     assert simulations.run_trial(led).radii.tolist() == [0.1] * 12
@@ -73,7 +73,7 @@ def test_kinds_and_radii_are_those_of_the_groups() -> None:
 def test_a_law_has_the_leaders_of_its_own_herd_by_itself(law: str, leaders: int) -> None:
     trial = herd(law, None)
     assert sum(band.count for band in assemble(trial).bands if band.role == 1) == leaders
-    (shown,) = [row.value for row in simulations.rows(trial) if row.key == "herd.leaders"]
+    (shown,) = [row.value for row in keys.rows(trial) if row.key == "herd.leaders"]
     assert shown == leaders
 
 

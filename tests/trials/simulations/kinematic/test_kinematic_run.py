@@ -1,4 +1,4 @@
-"""A kinematic experiment through the real command: run, report, resume, play's file, and one line where it cannot."""
+"""A kinematic experiment by the `herd` command: run, report, resume, its recording, and one line for an error."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from trials.commands import cli
 from trials.design import plan
 
 WORDS = ["lch-table-4-1", "--repeats", "2", "--only", "1,9,17,25", "--set", "steps=20"]
-"""The first variation from both starts, twice."""
+"""The trials of the first variation from both starts, two repeats."""
 
 
 def herd(*words: str, cwd: Path) -> subprocess.CompletedProcess[str]:
@@ -57,7 +57,7 @@ def test_a_run_keeps_rows_series_report_and_the_first_recording(run: Path) -> No
 def test_the_report_is_a_list_of_claims(run: Path) -> None:
     told = json.loads(herd("report", "run", "--json", cwd=run.parent).stdout)
     assert len(told) == 9
-    decided = {entry["published"]: entry["n"] for entry in told}
+    decided = {entry["claim"]: entry["n"] for entry in told}
     assert decided["MMD of group-pose from a single-group start, range 3: 0.05"] == 2
     assert sum(n > 0 for n in decided.values()) == 2  # the other cells are not in this run
 
@@ -131,7 +131,7 @@ def test_what_cannot_be_is_refused_in_one_line(
 def test_a_worker_needs_neither_mujoco_nor_rerun(tmp_path: Path) -> None:
     code = (
         "import sys; from trials.batch import worker; from trials.design import plan;"
-        "worker.prepared_for(['kinematic']);"
+        "worker.import_for(['kinematic']);"
         "trial = plan('lch-table-4-1', settings={'steps': 2}).trials[0];"
         "output = worker.run_packed(trial.as_dict(), 'some', False);"
         "print(output.status, sorted({'mujoco', 'rerun', 'matplotlib'} & set(sys.modules)))"

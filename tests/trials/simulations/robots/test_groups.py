@@ -41,7 +41,7 @@ def base(repeat):
 
 
 def pursuit(**pursuer: object) -> Trial:
-    """Three Creates in the trial's formation, and one elsewhere that goes for the nearest."""
+    """Three Creates in the trial's formation, and one elsewhere that heads for the nearest of them."""
     given = {"count": 1, "name": "pursuer", "formation": "single-group", "start_x_m": -4.0, **pursuer}
     groups = [fields.group(count=3), fields.group("snn", **given)]  # type: ignore[arg-type]
     return fields.trial("pursuit", 1, groups, duration_s=3.0)
@@ -124,7 +124,7 @@ class TestFormations:
 
 
 def test_each_group_has_streams_of_its_own() -> None:
-    """The same law and place in the group, other numbers: groups draw apart."""
+    """Members with the same law and number in different groups draw different random numbers."""
     herd = assemble(pursuit(count=3), record=False)
     draws = [robot.law_rng.random() for robot in herd.robots]
     assert len(set(draws)) == len(draws)

@@ -1,4 +1,4 @@
-"""Any law on Creates: it runs, it sees what it needs and never nan, and what was set is what is used."""
+"""Any law on Creates: it runs, it gets all that it needs and never nan instead, it uses the values that were set."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def robots_of(group: Group):
 
 
 def runnable(name: str) -> Group:
-    """Three robots with member-based detection, or perfect detection where that does not do."""
+    """Three robots with member-based detection, or perfect detection for laws that need more."""
     law = lawentry.module_of(name)
     sets = selection.parse_sets("all", lawentry.sets_of(law), law.Parameters._fields)
     graphs = [

@@ -122,7 +122,7 @@ class TestClock:
     @pytest.mark.parametrize("rate_hz", [5.0, 20.0])
     def test_rate_sets_the_number_of_updates(self, rate_hz: float) -> None:
         done = run_trial(herd(trial(duration_s=2.0), rate_hz=rate_hz))
-        # a robot's phase may cost it its last update
+        # by its phase, a robot may have one update less
         assert abs(len(done.updates.times) - 6 * 2.0 * rate_hz) <= 6
 
     def test_a_longer_latency_moves_the_robots_later(self) -> None:

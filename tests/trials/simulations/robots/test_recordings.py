@@ -1,4 +1,4 @@
-"""Recordings are read back from their files and held against the results that they were written from."""
+"""Recordings are read back from their files and compared with the results from which they were written."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ def written(tmp_path: Path) -> Callable[[TrialResult], Recording]:
 
 
 def in_world(points: np.ndarray, pose: np.ndarray) -> np.ndarray:
-    """Body to world, by complex numbers: another way than the code's."""
+    """Body to world by complex numbers, which the code does not use."""
     z = (points[:, 0] + 1j * points[:, 1]) * np.exp(1j * pose[2]) + pose[0] + 1j * pose[1]
     return np.stack([z.real, z.imag], axis=1)
 

@@ -29,7 +29,7 @@ ODOMETRY_MM = 5.0
 
 
 class Outcome(NamedTuple):
-    """Of one run."""
+    """What is compared of one run."""
 
     poses_w: Floats
     odometry: Floats
