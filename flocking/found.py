@@ -6,6 +6,7 @@ import ast
 import importlib
 import importlib.util
 import pkgutil
+import re
 from collections.abc import Iterable
 from functools import cache
 from pathlib import Path
@@ -47,8 +48,13 @@ def _defined(module: str) -> frozenset[str]:
     spec = importlib.util.find_spec(module)
     if spec is None or spec.origin is None:
         return frozenset()
-    found = set()
-    for node in ast.parse(Path(spec.origin).read_text(encoding="utf-8")).body:
+    found: set[str] = set()
+    text = Path(spec.origin).read_text(encoding="utf-8")
+    try:
+        body = ast.parse(text).body
+    except SyntaxError:  # told when the file is loaded; all others can still be used
+        return frozenset(re.findall(r"^(?:def )?(\w+)(?: =|\()", text, re.MULTILINE))
+    for node in body:
         if isinstance(node, ast.FunctionDef):
             found.add(node.name)
         elif isinstance(node, ast.Assign | ast.AnnAssign):

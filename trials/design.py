@@ -69,7 +69,10 @@ def load(name: str) -> ModuleType:
     known, wanted = experiments(), name.replace("_", "-")
     if wanted not in known:
         raise unknown_name("experiment", name, known)
-    return importlib.import_module(known[wanted])
+    try:
+        return importlib.import_module(known[wanted])
+    except SyntaxError as error:
+        raise InputError(f"{error.filename}, line {error.lineno}: {error.msg}") from None
 
 
 def title(name: str) -> str:

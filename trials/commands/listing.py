@@ -91,7 +91,10 @@ def _first_sentence(module: str) -> str:
     spec = importlib.util.find_spec(module)
     if spec is None or spec.origin is None:
         return ""
-    text = ast.get_docstring(ast.parse(Path(spec.origin).read_text(encoding="utf-8"))) or ""
+    try:
+        text = ast.get_docstring(ast.parse(Path(spec.origin).read_text(encoding="utf-8"))) or ""
+    except SyntaxError:  # told when the file is loaded
+        text = ""
     return _opening(text)
 
 
