@@ -14,7 +14,7 @@ import numpy as np
 from flocking.types import Floats
 from sensing.laser.draws import range_draws
 from sensing.laser.hokuyo import SETTINGS, Lasers
-from trials.types import Trial
+from trials.simulations.robots import fields
 from worlds import assemble
 
 SCRIPT = ((0.0, 0.4, 0.0), (1.0, 0.25, 0.8), (2.2, 0.0, -1.5), (3.4, 0.3, -0.5), (4.6, 0.0, 0.0))
@@ -54,7 +54,7 @@ def driven(timestep: float) -> Outcome:
 
 
 def chosen() -> float:
-    return Trial.__dataclass_fields__["timestep_s"].default  # type: ignore[no-any-return]
+    return fields.TrialFields().timestep_s
 
 
 def test_robots_move_and_see_one_another_in_the_script() -> None:
