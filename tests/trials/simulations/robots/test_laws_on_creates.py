@@ -104,7 +104,7 @@ class TestAssociation:
     def test_a_law_never_sees_nan_in_what_it_needs(self, tmp_path: Path, pipeline: str, obstacles: str) -> None:
         path = tmp_path / "watcher.py"
         path.write_text(NAN_WATCHER)
-        group = fields.group(count=4, law=str(path), law_source=NAN_WATCHER, pipeline=pipeline, obstacles=obstacles)
+        group = fields.group(count=4, law=str(path), pipeline=pipeline, obstacles=obstacles)
         done = run_trial(trial(group, duration_s=4.0))
         assert (done.outcome, done.reason) == ("done", "")
         counts = np.diff(done.updates.input_starts)
@@ -233,7 +233,7 @@ class TestObstacles:
     def straight(self, tmp_path: Path, obstacles: str) -> Group:
         path = tmp_path / "straight.py"
         path.write_text(STRAIGHT_ON)
-        return fields.group(count=4, law=str(path), law_source=STRAIGHT_ON, pipeline="perfect", obstacles=obstacles)
+        return fields.group(count=4, law=str(path), pipeline="perfect", obstacles=obstacles)
 
     def test_avoidance_keeps_a_law_that_has_none_off_the_walls(self, tmp_path: Path) -> None:
         walls = {}
