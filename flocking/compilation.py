@@ -7,8 +7,11 @@ a file that is not ours, or may use one (a law), is not kept here.
 
 from __future__ import annotations
 
+import atexit
 import hashlib
 import os
+import shutil
+import stat
 import tempfile
 from collections.abc import Callable
 from functools import cache
@@ -39,8 +42,9 @@ def sources_digest(packages: tuple[str, ...] = PACKAGES) -> str:
 def cache_folder() -> Path:
     """Where compiled code is kept, in a folder named by the sources' hash.
 
-    Below `$CREATE_HERD_CACHE`, which must then be writable (else `InputError`), or the user's cache folder, or, where
-    that cannot be written, a folder for temporary files.
+    Below `$CREATE_HERD_CACHE`, which must then be writable (else `InputError`); or below the user's cache folder; or,
+    where that cannot be written, below a folder for temporary files. What is not this user's alone is not used: code
+    in it might be another's. The last resort is a new folder, which this process and those that it starts use.
     """
     digest = sources_digest()
     named = os.environ.get(CACHE_VARIABLE)
@@ -48,25 +52,42 @@ def cache_folder() -> Path:
         if not _writable(Path(named) / digest):
             raise InputError(f"{CACHE_VARIABLE} = {named!r} cannot be written; expected a folder for compiled code")
         return Path(named) / digest
-    users = Path(os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")) / "create-herd" / digest
-    if _writable(users):
-        return users
-    return Path(tempfile.gettempdir()) / f"create-herd-{os.getuid()}" / digest
+    users = Path(os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")) / "create-herd"
+    for base in (users, Path(tempfile.gettempdir()) / f"create-herd-{os.geteuid()}"):
+        if _own(base) and _own(base / digest):
+            return base / digest
+    fresh = tempfile.mkdtemp(prefix="create-herd-")
+    atexit.register(shutil.rmtree, fresh, ignore_errors=True)
+    os.environ[CACHE_VARIABLE] = fresh
+    return cache_folder.__wrapped__()
 
 
 def _writable(folder: Path) -> bool:
     try:
-        folder.mkdir(parents=True, exist_ok=True)
+        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder):
             return True
     except OSError:
         return False
 
 
+def _own(folder: Path) -> bool:
+    """Makes a folder that only this user may enter; whether it is there, takes files, and only this user writes to it.
+
+    A link is none: it may lead anywhere.
+    """
+    if not _writable(folder):
+        return False
+    found = folder.lstat()
+    return stat.S_ISDIR(found.st_mode) and found.st_uid == os.geteuid() and not found.st_mode & 0o022
+
+
 # also where it is set already: a folder that another state of the sources has filled would be stale
 os.environ["NUMBA_CACHE_DIR"] = str(cache_folder())
 
 import numba  # noqa: E402 (the cache's folder must be set before Numba is imported)
+
+from flocking.compiled_cache import kept_between_runs  # noqa: E402 (it imports Numba)
 
 
 def _kept(function: Callable[..., Any]) -> bool:
@@ -82,7 +103,7 @@ def compiled(function: Callable[..., Any]) -> Any:
 
     `.py_func` is the plain one.
     """
-    return numba.njit(cache=_kept(function), error_model="numpy")(function)
+    return _dispatcher(function)
 
 
 def borrowing(function: Callable[..., Any]) -> Any:
@@ -90,14 +111,19 @@ def borrowing(function: Callable[..., Any]) -> Any:
 
     What such a function calls is compiled likewise, but for what is `allocating`.
     """
-    return numba.njit(cache=_kept(function), error_model="numpy", _nrt=False)(function)
+    return _dispatcher(function, _nrt=False)
 
 
 def inlined(function: Callable[..., Any]) -> Any:
     """The same as `borrowing`, put in place of each call: for stages that hand on a great many arrays."""
-    return numba.njit(cache=_kept(function), error_model="numpy", _nrt=False, forceinline=True)(function)
+    return _dispatcher(function, _nrt=False, forceinline=True)
 
 
 def allocating(function: Callable[..., Any]) -> Any:
     """The same as `compiled` for what makes arrays or lists, though it may be called by what is `borrowing`."""
-    return numba.njit(cache=_kept(function), error_model="numpy", _nrt=True)(function)
+    return _dispatcher(function, _nrt=True)
+
+
+def _dispatcher(function: Callable[..., Any], **options: Any) -> Any:
+    made = numba.njit(error_model="numpy", **options)(function)
+    return kept_between_runs(made) if _kept(function) else made

@@ -14,6 +14,10 @@ class InputError(ValueError):
     """
 
 
+class StorageError(InputError):
+    """The disk does not take a file. No trial is at fault: a batch stops, and what was stored is kept."""
+
+
 def unknown_name(kind: str, given: object, valid: Iterable[str]) -> InputError:
     """The error for a name that does not exist, offering the nearest ones that do."""
     names = sorted(valid)

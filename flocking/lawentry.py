@@ -23,7 +23,7 @@ import numpy as np
 
 from flocking import found
 from flocking.compilation import PACKAGES, cache_folder
-from flocking.errors import InputError
+from flocking.errors import InputError, StorageError
 from flocking.parameters import Relation, declared, filled, relation
 from flocking.selection import parse_sets
 from flocking.taxonomy import Filled, Herd, Taxonomy, Validation
@@ -52,6 +52,7 @@ import importlib.util
 import sys
 
 import numba
+from flocking.compiled_cache import kept_between_runs
 from flocking.types import Members, Obstacles, Own
 
 _spec = importlib.util.spec_from_file_location({module!r}, {path!r})
@@ -64,7 +65,7 @@ law = numba.njit(_module.law, boundscheck={boundscheck}, _nrt={allocates})
 Parameters = _module.Parameters
 
 
-@numba.njit({signature!r}, cache={cached}, boundscheck={boundscheck}, _nrt={allocates})
+@numba.njit(boundscheck={boundscheck}, _nrt={allocates})
 def entry(own, positions, bearings, headings, velocities, ids, sets, obstacles, parameters, memory, u, motion):
     decided = law(
         Own(own[0:2], own[2], own[3], own[4:6], (own[6] > 0.5, own[7] > 0.5), own[8], int(own[9]), int(own[10])),
@@ -79,6 +80,12 @@ def entry(own, positions, bearings, headings, velocities, ids, sets, obstacles, 
     motion[1] = decided.x
     motion[2] = decided.y
     motion[3] = decided.rule
+
+
+if {cached}:
+    kept_between_runs(entry)
+entry.compile({signature!r})
+entry.disable_compile()
 '''
 
 
@@ -295,6 +302,8 @@ def _imported(name: str, source: str) -> tuple[ModuleType, Path]:
     sys.modules[stem] = module
     try:
         spec.loader.exec_module(module)
+    except StorageError:
+        raise
     except Exception as error:
         raise InputError(f"law file {name!r} cannot be imported: {_first_line(error)}") from None
     for wanted in ("law", "Parameters"):
@@ -320,9 +329,13 @@ def _compile(name: str, module: ModuleType, path: Path, *, boundscheck: bool) ->
     values = ", ".join(f"{field.type.__name__}(parameters[{i}])" for i, field in enumerate(fields.values()))
     try:
         entry = _entry(module, path, values, boundscheck, allocates=False)
+    except StorageError:
+        raise
     except Exception:  # perhaps because it makes arrays: references must then be counted
         try:
             entry = _entry(module, path, values, boundscheck, allocates=True)
+        except StorageError:
+            raise
         except Exception as error:
             raise InputError(f"law {name!r} does not compile: {_first_line(error)}") from None
     return Law(
@@ -397,15 +410,26 @@ def _constants(module: ModuleType) -> str:
 
 
 def _written(stem: str, text: str) -> Path:
-    """`text` as stem.py in the cache folder, written once: Numba's cache goes by the file's time."""
+    """`text` as stem.py in the cache folder, written once: Numba's cache goes by the file's time.
+
+    Raises `StorageError` if the disk does not take it.
+    """
     folder = cache_folder() / "laws"
-    folder.mkdir(parents=True, exist_ok=True)
     path = folder / f"{stem}.py"
-    if not path.exists():
+    try:
+        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+        if path.exists() and path.read_bytes() == text.encode():
+            return path
         handle, temporary = tempfile.mkstemp(dir=folder, suffix=".tmp")
-        with os.fdopen(handle, "w", encoding="utf-8") as file:
-            file.write(text)
-        os.replace(temporary, path)
+        try:
+            with os.fdopen(handle, "wb") as file:
+                file.write(text.encode())
+            os.replace(temporary, path)
+        except BaseException:
+            os.unlink(temporary)
+            raise
+    except OSError as error:
+        raise StorageError(f"cannot write {path}: {error.strerror or error}") from error
     return path
 
 

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from flocking.errors import InputError
+from flocking.errors import InputError, StorageError
 from flocking.kinematic.arrays import Bodies, HerdArrays, Limits, Minds, Tracks
 from flocking.kinematic.bands import Band, Space, check_linked
 from flocking.perception import Step
@@ -336,6 +336,8 @@ class KinematicHerd:
         raised, self.turn[0] = "", done
         try:
             failed = work(law.entry, self.stages[band], self.arrays, who, draws, tracks, self.turn[1:], *more)
+        except StorageError:
+            raise
         except Exception as error:  # whatever a law of the user's may raise
             failed, raised = 1, " ".join(f"{type(error).__name__}: {error}".split())
         if failed:

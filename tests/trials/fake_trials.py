@@ -8,12 +8,13 @@ import os
 import signal
 import sys
 import time
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from trials.batch.store import StorageError
+from trials.batch.store import Files, Row, StorageError, Store, write_whole
 from trials.batch.worker import WorkerOutput
 from trials.simulations import watch
 from trials.simulations.robots import fields
@@ -31,7 +32,21 @@ def trial(index: int, act: str = "succeed", seconds: float = 0.0, seed: int = 1)
     )
 
 
-def run(trial: dict[str, Any], scans: str, record: bool) -> WorkerOutput:
+def keep(
+    kept: Store,
+    row: Row,
+    series: bytes | None = None,
+    recording: bytes | None = None,
+    timing: Mapping[str, float] | None = None,
+) -> None:
+    """Keeps a trial as a worker and its parent do: its files come first."""
+    for path, data in zip(kept.files(row.index, True), (series, recording), strict=True):
+        if data is not None:
+            write_whole(path, data)
+    kept.add(row, timing or {})
+
+
+def run(trial: dict[str, Any], scans: str, files: Files) -> WorkerOutput:
     """Does what the trial's conditions say."""
     act, seconds = trial["conditions"]["act"], trial["conditions"]["seconds"]
     time.sleep(seconds)
@@ -51,24 +66,30 @@ def run(trial: dict[str, Any], scans: str, record: bool) -> WorkerOutput:
         _spin()
     if act == "spin watched":
         with watch.watched():
-            _spin()
+            while True:
+                pass
     if act == "breathe":
         with watch.watched():
             for _ in range(8):
-                time.sleep(0.1)
+                _work(0.2)
                 watch.breathe()
-        time.sleep(0.5)
+        _work(0.6)
+    if act == "work":
+        _work(600.0)
+    if act == "half an answer":
+        _half_an_answer()
     if act == "disk":
         raise StorageError("cannot write a recording below /tmp: No space left on device")
     if act == "nan":
         return WorkerOutput("failed", "the law returned nan", {"straightness": math.nan, "mmd": math.inf})
     rng = np.random.default_rng([trial["seed"], trial["repeat"], trial["index"]])
-    recording = f"{scans} {trial['index']}".encode() if record else None
+    if files.series is not None:
+        write_whole(files.series, rng.bytes(1000))
+    if files.recording is not None:
+        write_whole(files.recording, f"{scans} {trial['index']}".encode())
     return WorkerOutput(
         "done",
         measures={"mmd": float(rng.normal()), "groups": 1.0},
-        series=rng.bytes(1000),
-        recording=recording,
         timing={"seconds": seconds, "loop_s": 0.0},
     )
 
@@ -81,6 +102,23 @@ def refuse() -> None:
 def die() -> None:
     """Imports that kill the worker."""
     os._exit(7)
+
+
+def _work(seconds: float) -> None:
+    """Uses processor time."""
+    end = time.process_time() + seconds
+    while time.process_time() < end:
+        pass
+
+
+def _half_an_answer() -> None:
+    """Begins to hand something back, and dies."""
+    import gc
+    from multiprocessing.connection import Connection
+
+    (pipe,) = [each for each in gc.get_objects() if isinstance(each, Connection)]
+    os.write(pipe.fileno(), (1000).to_bytes(4, "big") + b"not all of it")
+    os.kill(os.getpid(), signal.SIGKILL)
 
 
 def _spin() -> None:

@@ -7,6 +7,7 @@ import time
 from typing import Any
 
 from trials.batch import worker
+from trials.batch.store import Files
 from trials.batch.worker import WorkerOutput
 
 SLOW_S = 2.5
@@ -22,7 +23,7 @@ class SlowKernel:
             time.sleep(SLOW_S)
 
 
-def run(trial: dict[str, Any], scans: str, record: bool) -> WorkerOutput:
+def run(trial: dict[str, Any], scans: str, files: Files) -> WorkerOutput:
     """The trial; its kernel takes long to import, its robots take long to detect for the first time."""
     assert KERNEL not in sys.modules
     sys.meta_path.insert(0, SlowKernel())  # type: ignore[arg-type]
@@ -37,4 +38,4 @@ def run(trial: dict[str, Any], scans: str, record: bool) -> WorkerOutput:
             return quick(robot, senses)
 
         Robot.detect = detect  # type: ignore[method-assign]
-    return worker.run_packed(trial, scans, record)
+    return worker.run_and_write(trial, scans, files)

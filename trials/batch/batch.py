@@ -5,40 +5,24 @@ Results depend on the trials alone, not on the number of workers nor on the orde
 
 from __future__ import annotations
 
-import multiprocessing
 import os
-import queue
 import signal
-import tempfile
 import threading
-from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import Future
-from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from dataclasses import dataclass
-from multiprocessing import resource_tracker
-from pathlib import Path
-from typing import Protocol
+from typing import Any, Protocol
 
-from pebble import ProcessExpired, ProcessPool
-
-from flocking.errors import InputError
 from trials import simulations
 from trials.batch import worker
+from trials.batch.crew import LAW, SLOW, STILL_S, WAITS, Crew, Ended, Stopped, Task, crew
 from trials.batch.store import DIED, Row, StorageError, Store
 from trials.batch.worker import Job, WorkerOutput
 from trials.simulations import watch
 from trials.types import Group, Trial
 
-AHEAD = 2
-"""Trials handed out per worker: one at work, one waiting, so that results do not pile up in memory."""
 WARM_UP_LIMIT_S = 300.0
-"""Wall time for filling the compiled cache, for each set of code."""
-BREAKS = 3
-"""How often in a row all workers may die before one trial has ended."""
-Events = queue.SimpleQueue[Future[WorkerOutput] | int]
-"""What the batch waits for: a trial that ended, or the number of a signal that stops the batch."""
+"""Processor time for filling the compiled cache, for each set of code."""
 STOPPING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 """Signals that stop a batch."""
 
@@ -57,7 +41,7 @@ class Progress(Protocol):
 class Work:
     """What workers do with each trial of a batch, and how long that may take."""
 
-    run: Job = worker.run_packed
+    run: Job = worker.run_and_write
     scans: str = "some"
     """`some` or `all`: which scans of a trial go into its recording."""
     recorded: frozenset[int] = frozenset()
@@ -68,9 +52,11 @@ class Work:
     """Trials of which the first moment is run beforehand, one after the other, so that workers do not all compile the
     same code, and none does while a trial's time counts."""
     limit_s: Callable[[Trial], float] = worker.limit_s
-    """Wall time that a trial may take."""
+    """Processor time that a trial may take."""
     law_limit_s: float = watch.STEP_LIMIT_S
-    """Wall time within which a law must return."""
+    """Processor time within which a law must return."""
+    still_s: float = STILL_S
+    """Wall time that a trial may wait without using any processor time."""
 
 
 @dataclass(frozen=True)
@@ -83,117 +69,84 @@ class Summary:
     """The signal that stopped it; 0 = none."""
 
 
-class _Stopped(Exception):  # noqa: N818 (no error)
-    """The batch was stopped by a signal, whose number is the argument."""
-
-
-def run_batch(
-    trials: Sequence[Trial],
-    store: Store,
-    progress: Progress,
-    *,
-    jobs: int,
-    work: Work,
-) -> Summary:
+def run_batch(trials: Sequence[Trial], store: Store, progress: Progress, *, jobs: int, work: Work) -> Summary:
     """Runs the trials in `jobs` worker processes and keeps each in the store as it ends.
 
     A trial that fails or takes too long, whose law does not return or whose worker dies is kept as failed, with its
-    reason. SIGINT, SIGTERM and SIGHUP stop the batch; trials that ended before are kept. Raises `StorageError` if the
-    disk does not take a result.
+    reason; the others are not affected. SIGINT, SIGTERM and SIGHUP stop the batch; trials that ended before are kept.
+    Raises `StorageError` if the disk does not take a result, and `InputError` if no worker can be started.
     """
-    waiting, rows, breaks = deque(trials), list[Row](), 0
-    ended: Events = queue.SimpleQueue()
-    jobs = max(1, min(jobs, len(waiting)))
-
-    def submit(pool: ProcessPool, trial: Trial) -> Future[WorkerOutput]:
-        args = (work.run, trial.as_dict(), work.scans, trial.index in work.recorded)
-        return pool.schedule(worker.attempt, args=args, timeout=work.limit_s(trial))
-
-    with _environment(worker.ONE_THREAD), _signals(ended.put), _folder() as turns:
-        while waiting:
-            before = len(rows)
-            try:
-                with _pool(jobs, work, turns) as pool:
-                    if work.warm_up and not rows:
-                        progress.say("compiling, where this machine has not yet")
-                        _warm_up(pool, work, ended)
-                    for trial, future in _ended(pool, waiting, ended, submit, AHEAD * jobs):
-                        rows.append(_keep(store, trial, _output(future, trial, work.law_limit_s, turns)))
-                        progress.ended(rows[-1])
-            except _Stopped as stop:
-                return Summary(rows, stop.args[0])
-            except BrokenProcessPool as error:
-                breaks = 1 if len(rows) > before else breaks + 1
-                if breaks == BREAKS:
-                    raise InputError(f"worker processes die before they run a trial: {error}") from error
+    rows = list[Row]()
+    by_index = {trial.index: trial for trial in trials}
+    with (
+        _environment(worker.ONE_THREAD),
+        _signals() as wake,
+        crew(
+            max(1, min(jobs, len(trials))),
+            worker.prepare,
+            (work.imports,),
+            law_limit_s=work.law_limit_s,
+            still_s=work.still_s,
+        ) as workers,
+    ):
+        try:
+            if work.warm_up:
+                progress.say("compiling, where this machine has not yet")
+                _warm_up(workers, work, wake)
+            for ended in workers.run([_task(trial, store, work) for trial in trials], wake):
+                trial = by_index[ended.task.key]
+                rows.append(_keep(store, trial, _output(ended, trial, work)))
+                progress.ended(rows[-1])
+        except Stopped as stop:
+            return Summary(rows, stop.args[0])
     return Summary(rows)
 
 
-def _ended(
-    pool: ProcessPool,
-    waiting: deque[Trial],
-    ended: Events,
-    submit: Callable[[ProcessPool, Trial], Future[WorkerOutput]],
-    ahead: int,
-) -> Iterator[tuple[Trial, Future[WorkerOutput]]]:
-    """Hands the waiting trials to the pool, at most `ahead` at a time, and yields each as it ends.
-
-    If a signal or a broken pool interrupts it, the trials that have not ended are put back at the front of `waiting`.
-    """
-    in_pool: dict[Future[WorkerOutput], Trial] = {}
-    broken: Exception | None = None
-    try:
-        while waiting or in_pool:
-            while waiting and len(in_pool) < ahead and broken is None:
-                try:
-                    future = submit(pool, waiting[0])
-                except RuntimeError as error:  # the pool broke after the last trial was handed to it
-                    broken = error
-                    break
-                in_pool[future] = waiting.popleft()
-                future.add_done_callback(ended.put)
-            if broken is not None and ended.empty():
-                raise BrokenProcessPool(str(broken))
-            event = ended.get()
-            if isinstance(event, int):
-                raise _Stopped(event)
-            if event not in in_pool:  # a trial of an earlier pool, which broke
-                continue
-            if isinstance(event.exception(), BrokenProcessPool):
-                broken = event.exception()  # type: ignore[assignment]
-                continue
-            yield in_pool.pop(event), event
-    finally:
-        waiting.extendleft(reversed(in_pool.values()))
+def _task(trial: Trial, store: Store, work: Work) -> Task:
+    files = store.files(trial.index, trial.index in work.recorded)
+    return Task(trial.index, worker.attempt, (work.run, trial.as_dict(), work.scans, files), work.limit_s(trial))
 
 
-def _output(future: Future[WorkerOutput], trial: Trial, law_limit_s: float, turns: Path) -> WorkerOutput:
+def _warm_up(workers: Crew, work: Work, wake: int) -> None:
+    """Runs the first moment of each trial of the warm-up. Errors are left to the trials themselves."""
+    for trial in work.warm_up:
+        for _ in workers.run([Task(trial.index, worker.warm_up, (trial.as_dict(), work.run), WARM_UP_LIMIT_S)], wake):
+            pass
+
+
+def _output(ended: Ended, trial: Trial, work: Work) -> WorkerOutput:
     """What a worker handed back; if it handed back nothing, a failed trial with the reason."""
-    error = future.exception()
-    if error is None:
-        return future.result()
-    if isinstance(error, StorageError):
-        raise error
-    if isinstance(error, TimeoutError):
-        slow = f"did not end within {error.args[1]:g} s of wall time; {_laws(trial.groups)} is slow"
-        return WorkerOutput("failed", slow)
-    if isinstance(error, ProcessExpired):
-        code = error.exitcode
-        if code == -signal.SIGALRM:
-            return WorkerOutput("failed", _hung(trial, law_limit_s, watch.whose(turns, error.pid)))
-        how = signal.Signals(-code).name if code < 0 else f"exit code {code}"
-        return WorkerOutput("failed", f"{DIED} ({how})")
-    return WorkerOutput("failed", worker.told(error))
+    if isinstance(ended.answer, WorkerOutput):
+        return ended.answer
+    if isinstance(ended.answer, StorageError):
+        raise ended.answer
+    if isinstance(ended.answer, Exception):
+        return WorkerOutput("failed", worker.told(ended.answer))
+    if ended.died == LAW:
+        return WorkerOutput("failed", _hung(trial, work.law_limit_s, ended.turn))
+    if ended.died == SLOW:
+        return WorkerOutput("failed", f"did not end within {ended.task.limit_s:g} s of processor time{_perhaps(trial)}")
+    if ended.died == WAITS:
+        return WorkerOutput(
+            "failed", f"waited for something that did not come within {work.still_s:g} s{_perhaps(trial)}"
+        )
+    return WorkerOutput("failed", f"{DIED} ({ended.died})")
 
 
-def _hung(trial: Trial, law_limit_s: float, turn: tuple[int, int] | None) -> str:
+def _hung(trial: Trial, law_limit_s: float, turn: watch.Turn | None) -> str:
     """The reason of a trial whose law did not return, with the member and the step where these are known."""
-    late = f"did not return within {law_limit_s:g} s of wall time"
+    late = f"did not return within {law_limit_s:g} s of processor time"
     if turn is None:
         return f"{_laws(trial.groups)} {late}"
-    step, member = turn
-    group, number = [(group, k + 1) for group in trial.groups for k in range(group.count)][member]
-    return f"{_laws([group])} {late} for {group.name}-{number} {simulations.of(trial).at_step(trial, step)}"
+    members = [(group, k + 1) for group in trial.groups for k in range(group.count)]
+    group, number = members[turn.member]
+    return f"{_laws([group])} {late} for {group.name}-{number} {simulations.of(trial).at_step(trial, turn.step)}"
+
+
+def _perhaps(trial: Trial) -> str:
+    """Names the users' laws that take part: a law of the project is not what a trial takes long for."""
+    users = [group for group in trial.groups if group.law_source]
+    return f"; perhaps {_laws(users)}" if users else ""
 
 
 def _laws(groups: Sequence[Group]) -> str:
@@ -210,72 +163,33 @@ def _keep(store: Store, trial: Trial, output: WorkerOutput) -> Row:
         dict(trial.conditions),
         dict(output.measures),
     )
-    store.add(row, output.series, output.recording, output.timing)
+    store.add(row, output.timing)
     return row
 
 
-def _warm_up(pool: ProcessPool, work: Work, ended: Events) -> None:
-    """Runs the first moment of each trial of the warm-up. Errors are left to the trials themselves."""
-    for trial in work.warm_up:
-        try:
-            future = pool.schedule(worker.warm_up, args=(trial.as_dict(), work.run), timeout=WARM_UP_LIMIT_S)
-        except RuntimeError:  # the pool broke; handing out the trials fails in the same way
-            return
-        future.add_done_callback(ended.put)
-        event = ended.get()
-        if isinstance(event, int):
-            raise _Stopped(event)
-
-
 @contextmanager
-def _folder() -> Iterator[Path]:
-    """A temporary folder for the files in which workers note the member at work. Raises `StorageError` without one."""
-    try:
-        folder = tempfile.TemporaryDirectory(prefix="herd-", ignore_cleanup_errors=True)
-    except OSError as error:
-        raise StorageError(f"cannot write below {tempfile.gettempdir()}: {error.strerror or error}") from error
-    with folder as path:
-        yield Path(path)
+def _signals() -> Iterator[int]:
+    """A descriptor on which the numbers of signals that stop a batch come, a byte each.
 
-
-@contextmanager
-def _pool(jobs: int, work: Work, turns: Path) -> Iterator[ProcessPool]:
-    pool = ProcessPool(
-        jobs,
-        initializer=worker.prepare,
-        initargs=(work.imports, work.law_limit_s, turns),
-        context=multiprocessing.get_context("spawn"),
-    )
-    # Ctrl-C in a terminal sends its signal to all processes, and only this one is to react: workers inherit a mask that
-    # blocks it. The resource tracker is started before, since its start unblocks SIGINT.
-    resource_tracker.ensure_running()
-    mask = signal.pthread_sigmask(signal.SIG_BLOCK, (signal.SIGINT, signal.SIGHUP))
+    Outside the main thread, which alone gets signals, none comes.
+    """
+    wake, told = os.pipe()
+    before: dict[int, Any] = {}
+    if threading.current_thread() is threading.main_thread():
+        # SIGHUP is ignored under nohup
+        heeded = [number for number in STOPPING if signal.getsignal(number) != signal.SIG_IGN]
+        before = {number: signal.signal(number, lambda got, frame: _tell(told, got)) for number in heeded}
     try:
-        assert pool.active  # starts the workers
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
-    try:
-        yield pool
-    finally:
-        pool.stop()
-        pool.join()
-
-
-@contextmanager
-def _signals(tell: Callable[[int], None]) -> Iterator[None]:
-    """Hands the signals that stop a batch to `tell`. Does nothing outside the main thread, which alone gets them."""
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    heeded = [
-        number for number in STOPPING if signal.getsignal(number) != signal.SIG_IGN
-    ]  # SIGHUP is ignored under nohup
-    before = {number: signal.signal(number, lambda got, frame: tell(got)) for number in heeded}
-    try:
-        yield
+        yield wake
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
+        os.close(wake)
+        os.close(told)
+
+
+def _tell(told: int, number: int) -> None:
+    os.write(told, bytes([number]))
 
 
 @contextmanager

@@ -5,6 +5,7 @@ from __future__ import annotations
 import shlex
 import signal
 import sys
+import tempfile
 import traceback
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -21,7 +22,6 @@ from trials.batch.batch import Work, run_batch
 from trials.batch.store import Row, Store
 from trials.design import DEFAULT_SEED, Plan, load, plan
 from trials.keys import AVOIDS
-from trials.simulations import watch
 from trials.types import Trial
 
 SHOWN_FAILURES = 10
@@ -113,7 +113,6 @@ def start(asked: Asked, out: Path | None, jobs: int, report: Report) -> int:
         print(f"note: {note}", file=sys.stderr)
     if out is not None and str(out) in ("", "."):
         raise InputError(f"--out {str(out)!r}: expected a new or empty folder for the run")
-    folder = out if out is not None else store.next_folder(made.experiment)
     run = {
         "format": store.FORMAT,
         "experiment": made.experiment,
@@ -133,12 +132,12 @@ def start(asked: Asked, out: Path | None, jobs: int, report: Report) -> int:
         **machine.made_with(),
         "trials": [trial.as_dict() for trial in chosen],
     }
-    kept = store.create(folder, run, users_files(chosen))
-    try:
-        with store.alone(folder):
+    with store.new_folder(out, made.experiment) as folder:
+        kept = store.create(folder, run, users_files(chosen))
+        try:
             return _run_rest(kept, jobs, report)
-    finally:
-        kept.close()
+        finally:
+            kept.close()
 
 
 def resume(folder: Path, jobs: int, report: Report) -> int:
@@ -164,21 +163,24 @@ def resume(folder: Path, jobs: int, report: Report) -> int:
 def debug(asked: Asked) -> int:
     """Runs one trial in this process, keeps nothing, and shows the traceback of what fails; returns the exit code.
 
-    A law that never returns ends the process.
+    Ctrl-C ends it and shows where it is, also in a law that never returns.
     """
     import faulthandler
 
-    from trials.batch.worker import run_packed
+    from trials.batch.worker import run_and_write
 
     if asked.only is None or len(asked.only) != 1:
         raise InputError("--debug runs one trial in this process: say which, as in --only 5 --debug")
     _, (trial,) = planned(asked)
     faulthandler.enable()
-    watch.arm()
-    faulthandler.register(signal.SIGALRM, chain=True)  # where a law never returns: prints its traceback, then ends
+    signal.signal(signal.SIGINT, signal.SIG_DFL)  # a handler in Python would wait for compiled code to return
+    faulthandler.register(signal.SIGINT, chain=True)
     print(f"trial {trial.index}: seed {trial.seed}, repeat {trial.repeat}, {conditions(trial)}", flush=True)
     try:
-        output = run_packed(trial.as_dict(), asked.scans, (asked.record or record_of(asked.experiment)) != "none")
+        with tempfile.TemporaryDirectory(prefix="herd-") as kept:
+            recorded = (asked.record or record_of(asked.experiment)) != "none"
+            files = store.Files(None, Path(kept) / "trial.rrd" if recorded else None)
+            output = run_and_write(trial.as_dict(), asked.scans, files)
         if output.status != "done":  # run once more with its error raised, to see where
             simulations.run_trial(trial, reraise=True)
     except Exception:

@@ -12,7 +12,8 @@ import json
 import zipfile
 import zlib
 from collections.abc import Iterator, Mapping
-from typing import Any
+from pathlib import Path
+from typing import IO, Any
 
 import numpy as np
 
@@ -36,17 +37,27 @@ _LEVEL = 1
 
 def pack(result: TrialResult) -> bytes:
     """The result, without scans and timing, as the bytes of an .npz file that `numpy.load` reads as well."""
+    out = io.BytesIO()
+    _write(result, out)
+    return out.getvalue()
+
+
+def write(result: TrialResult, path: Path) -> None:
+    """The same as a file. Raises `OSError` if the disk does not take it."""
+    with path.open("wb") as out:
+        _write(result, out)
+
+
+def _write(result: TrialResult, out: IO[bytes]) -> None:
     head = {"format": FORMAT, "trial": result.trial.as_dict()}
     head |= {name: getattr(result, name) for name in _TEXTS}
     head["measures"], head["period_m"] = plain(result.measures), _plain(result.period_m)
-    out = io.BytesIO()
     with zipfile.ZipFile(out, "w") as archive:
         _add(archive, HEAD, json.dumps(head, ensure_ascii=False).encode())
         for name, array in _arrays(result):
             buffer = io.BytesIO()
             np.lib.format.write_array(buffer, np.ascontiguousarray(array), allow_pickle=False)
             _add(archive, f"{name}.npy", buffer.getvalue())
-    return out.getvalue()
 
 
 def unpack(data: bytes) -> TrialResult:

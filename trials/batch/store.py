@@ -6,8 +6,8 @@
     recordings/0001.rrd for the Rerun viewer, as the trial's simulation writes it
     code/               users' files that took part
 
-Only one process writes. A trial's series comes first, then its recording (each to a temporary file that is
-synced and renamed), its row last and in a transaction: what has a row is complete, whenever the run was
+One process writes the tables. A trial's worker writes its series, then its recording (each to a temporary file that
+is synced and renamed); the row comes last and in a transaction: what has a row is complete, whenever the run was
 killed.
 """
 
@@ -16,15 +16,17 @@ from __future__ import annotations
 import fcntl
 import json
 import os
+import re
+import shlex
 import shutil
 import sqlite3
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager, suppress
+from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
-from flocking.errors import InputError
+from flocking.errors import InputError, StorageError
 from trials.types import Trial, TrialResult
 
 FORMAT = 2
@@ -48,12 +50,18 @@ CREATE TABLE timing (
 """
 
 
-class StorageError(InputError):
-    """The disk does not take a file. No trial is at fault: the batch stops, and what was stored is kept."""
-
-
 DIED = "its worker process died"
 """How the reason of a trial whose worker died begins. Resuming runs such a trial again and replaces its row."""
+
+
+class Files(NamedTuple):
+    """Where a worker writes what a trial leaves; None: nowhere."""
+
+    series: Path | None
+    recording: Path | None
+
+
+NO_FILES = Files(None, None)
 
 
 @dataclass(frozen=True)
@@ -131,15 +139,15 @@ class Store:
         path = self.folder / RECORDINGS / f"{index:04d}.rrd"
         return path if path.is_file() else None
 
-    def add(self, row: Row, series: bytes | None, recording: bytes | None, timing: Mapping[str, float]) -> None:
-        """Keeps a finished trial. Raises `StorageError` if the disk does not take it."""
+    def files(self, index: int, record: bool) -> Files:
+        """Where the files of a trial go."""
+        recording = self.folder / RECORDINGS / f"{index:04d}.rrd" if record else None
+        return Files(self.folder / SERIES / f"{index:04d}.npz", recording)
+
+    def add(self, row: Row, timing: Mapping[str, float]) -> None:
+        """Keeps a finished trial, whose files are there. Raises `StorageError` if the disk does not take it."""
         from trials.batch.series import plain
 
-        name = f"{row.index:04d}"
-        if series is not None:
-            write_whole(self.folder / SERIES / f"{name}.npz", series)
-        if recording is not None:
-            write_whole(self.folder / RECORDINGS / f"{name}.rrd", recording)
         parts = dict(timing)
         seconds = parts.pop("seconds", 0.0)
         with _writing(self.folder / RESULTS), self.connection:
@@ -166,44 +174,75 @@ class Store:
 
 
 def create(folder: Path, run: Mapping[str, Any], code: Mapping[str, str]) -> Store:
-    """Starts a run in a new or empty folder; `code` holds the users' files by name.
+    """Starts a run in a new or empty folder, which the caller holds `alone`; `code` holds the users' files by name.
 
-    Raises `InputError` if the folder holds another run or cannot be written; nothing is ever overwritten.
+    What a killed process left there before its run.json stood is taken over. Raises `InputError` if the folder holds
+    another run or anything else; nothing is ever overwritten.
     """
-    if folder.exists() and not folder.is_dir():
-        raise InputError(f"{folder} is a file: expected a folder for the run")
-    taken = [name for name in (RUN, RESULTS, SERIES, RECORDINGS, CODE) if (folder / name).exists()]
-    others = [] if taken or not folder.is_dir() else sorted(path.name for path in folder.iterdir())
+    _made(folder)
+    if (folder / RUN).exists():
+        raise InputError(
+            f"{folder} holds a run: name another folder, or finish it with herd resume {shlex.quote(str(folder))}"
+        )
+    found = sorted(path.name for path in folder.iterdir())
+    others = [name for name in found if name not in (RESULTS, SERIES, RECORDINGS, CODE) and not _is_temporary(name)]
     if others:
         raise InputError(f"{folder} is not empty ({others[0]}): expected a new or empty folder for the run")
-    if taken:
+    if found and not _is_half_made(folder):
         raise InputError(
-            f"{folder} holds a run ({taken[0]}): name another folder, or finish it with herd resume {folder}"
+            f"{folder} holds parts of a run without its {RUN} ({found[0]}): expected a new or empty folder for the run"
         )
+    for name in found:
+        _remove(folder / name)
     try:
         return _create(folder, run, code)
-    except BaseException:  # none of these files was there before: the unfinished run is removed
+    except BaseException:  # the folder was empty
         for name in (RUN, RESULTS, SERIES, RECORDINGS, CODE):
-            path = folder / name
-            with suppress(OSError):
-                shutil.rmtree(path) if path.is_dir() else path.unlink(missing_ok=True)
+            _remove(folder / name)
         raise
 
 
 def _create(folder: Path, run: Mapping[str, Any], code: Mapping[str, str]) -> Store:
     with _writing(folder):
         for part in (SERIES, RECORDINGS):
-            (folder / part).mkdir(parents=True)
-        if code:
+            (folder / part).mkdir()
+    with _writing(folder / RESULTS), whole(folder / RESULTS) as path:
+        made = sqlite3.connect(path)
+        made.executescript(f"{_TABLES} PRAGMA user_version = {FORMAT};")
+        made.close()
+    if code:
+        with _writing(folder / CODE):
             (folder / CODE).mkdir()
-    for name, text in code.items():
-        write_whole(folder / CODE / name, text.encode())
-    with _writing(folder / RESULTS):
-        connection = sqlite3.connect(folder / RESULTS)
-        connection.execute(f"PRAGMA user_version = {FORMAT}")
-        connection.executescript(_TABLES)
+        for name, text in code.items():
+            write_whole(folder / CODE / name, text.encode())
     write_whole(folder / RUN, _run_text(run).encode())
-    return Store(folder, run, connection)
+    with _writing(folder / RESULTS):
+        return Store(folder, run, sqlite3.connect(folder / RESULTS))
+
+
+def _is_half_made(folder: Path) -> bool:
+    """Whether a folder without run.json holds what a killed `create` left, and nothing else.
+
+    Its parts come in the order of `_create`: users' files come after tables without rows.
+    """
+    for part in (SERIES, RECORDINGS):
+        if (folder / part).exists() and not ((folder / part).is_dir() and not any((folder / part).iterdir())):
+            return False
+    if not (folder / RESULTS).exists():
+        return not (folder / CODE).exists()
+    try:
+        with closing(sqlite3.connect(f"{(folder / RESULTS).absolute().as_uri()}?mode=ro", uri=True)) as connection:
+            return bool(
+                connection.execute("PRAGMA user_version").fetchone()[0] == FORMAT
+                and connection.execute("SELECT count(*) FROM trials").fetchone()[0] == 0
+            )
+    except sqlite3.Error:
+        return False
+
+
+def _remove(path: Path) -> None:
+    with suppress(OSError):
+        shutil.rmtree(path) if path.is_dir() and not path.is_symlink() else path.unlink(missing_ok=True)
 
 
 def opened(folder: Path) -> Store:
@@ -247,7 +286,13 @@ def next_folder(experiment: str, base: Path = Path("runs")) -> Path:
     parent = base / experiment
     with _writing(parent):
         parent.mkdir(parents=True, exist_ok=True)
-        number = max((int(path.name) for path in parent.iterdir() if path.name.isdigit()), default=0) + 1
+        number = (
+            max(
+                (int(path.name) for path in parent.iterdir() if path.name.isascii() and path.name.isdecimal()),
+                default=0,
+            )
+            + 1
+        )
         while True:
             folder = parent / f"{number:03d}"
             try:
@@ -259,42 +304,95 @@ def next_folder(experiment: str, base: Path = Path("runs")) -> Path:
 
 @contextmanager
 def alone(folder: Path) -> Iterator[None]:
-    """Locks the run for this process, and removes the temporary files of a process that was killed.
+    """Locks a run's folder for this process, and removes the temporary files of processes that were killed.
 
-    Raises `InputError` if another process is running trials into it.
+    Raises `InputError` if another process is starting a run there, or running its trials.
     """
-    with _reading(folder / RUN):
-        handle = os.open(folder / RUN, os.O_RDONLY)
+    with _reading(folder):
+        handle = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
     try:
-        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError as error:
-        os.close(handle)
-        raise InputError(f"another process is running the trials of {folder}") from error
-    except OSError:  # a file system without locks
-        pass
-    try:
-        for part in (SERIES, RECORDINGS):
-            for path in (folder / part).glob(".*"):
-                with _writing(path):
-                    path.unlink(missing_ok=True)
+        try:
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError as error:
+            raise InputError(f"another process is running the trials of {folder}") from error
+        except OSError:  # a file system without locks
+            pass
+        _clear(folder)
         yield
+        _clear(folder)
     finally:
         os.close(handle)
 
 
-def write_whole(path: Path, data: bytes) -> None:
-    """Writes a file so that it is there whole or not at all. Raises `StorageError` if the disk does not take it."""
+@contextmanager
+def new_folder(out: Path | None, experiment: str) -> Iterator[Path]:
+    """The folder for a new run, locked: `out`, made where it is not yet, or the next numbered one of the experiment.
+
+    A folder that was made here and in which nothing is left is removed at the end. Raises `InputError` if `out` is a
+    file, or another process is at work there.
+    """
+    folder, made = (out, _made(out)) if out is not None else (next_folder(experiment), True)
+    try:
+        with alone(folder):
+            yield folder
+    finally:
+        if made:
+            with suppress(OSError):
+                folder.rmdir()
+
+
+def _made(folder: Path) -> bool:
+    """Makes a folder; whether it was not there before."""
+    if folder.exists() and not folder.is_dir():
+        raise InputError(f"{folder} is a file: expected a folder for the run")
+    with _writing(folder):
+        folder.parent.mkdir(parents=True, exist_ok=True)
+        try:
+            folder.mkdir()
+        except FileExistsError:
+            return False
+    return True
+
+
+def _clear(folder: Path) -> None:
+    """Removes the temporary files of processes that are gone: only the one that holds the lock writes."""
+    for part in (SERIES, RECORDINGS):
+        for path in (folder / part).glob(".*"):
+            if _is_temporary(path.name):
+                with _writing(path):
+                    path.unlink(missing_ok=True)
+
+
+_TEMPORARY = re.compile(r"\.(\d{4,}\.npz|\d{4,}\.rrd|run\.json|results\.sqlite)\.\d+(-journal)?")
+
+
+def _is_temporary(name: str) -> bool:
+    """Whether `whole` makes files of such a name for the parts of a run."""
+    return _TEMPORARY.fullmatch(name) is not None
+
+
+@contextmanager
+def whole(path: Path) -> Iterator[Path]:
+    """A temporary path to write a file at, which then takes the place of `path`: it is there whole or not at all.
+
+    Raises `StorageError` if the disk does not take it.
+    """
     temporary = path.with_name(f".{path.name}.{os.getpid()}")
     with _writing(path):
         try:
-            with open(temporary, "wb") as handle:
-                handle.write(data)
-                handle.flush()
+            yield temporary
+            with open(temporary, "rb") as handle:
                 os.fsync(handle.fileno())
             os.replace(temporary, path)
         except BaseException:
             temporary.unlink(missing_ok=True)
             raise
+
+
+def write_whole(path: Path, data: bytes) -> None:
+    """Writes a file so that it is there whole or not at all. Raises `StorageError` if the disk does not take it."""
+    with whole(path) as temporary:
+        temporary.write_bytes(data)
 
 
 def _read_run(folder: Path) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""What a worker process does: it runs a trial and hands back its row, and its files as bytes. It writes no files."""
+"""What a worker process does: it runs a trial, writes its files, and hands back its row."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ import dataclasses
 import os
 import signal
 import sys
-import tempfile
 import traceback
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -16,10 +15,11 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any
 
+from flocking.types import Ints
 from trials import simulations
-from trials.batch.store import StorageError
+from trials.batch.store import NO_FILES, Files, StorageError, whole
 from trials.simulations import watch
-from trials.types import Trial, TrialResult
+from trials.types import Trial
 
 ONE_THREAD = {
     "OMP_NUM_THREADS": "1",
@@ -42,24 +42,21 @@ class WorkerOutput:
     """`done` or `failed`."""
     reason: str = ""
     measures: Mapping[str, float] = field(default_factory=dict)
-    series: bytes | None = None
-    recording: bytes | None = None
     timing: Mapping[str, float] = field(default_factory=dict)
     """Wall time by part, s; `seconds` is that of the whole trial."""
 
 
-Job = Callable[[dict[str, Any], str, bool], WorkerOutput]
-"""(trial as a dict, scans, whether to record) → output; a module's function, so that workers can import it."""
+Job = Callable[[dict[str, Any], str, Files], WorkerOutput]
+"""(trial as a dict, scans, its files) → output; a module's function, so that workers can import it."""
 
 
-def prepare(imports: Callable[[], None] | None, law_limit_s: float, turns: Path) -> None:
-    """Prepares a worker before its first trial: arms its watch and imports what trials need.
+def prepare(imports: Callable[[], None] | None, memory: Ints) -> None:
+    """Prepares a worker before its first trial: shares its watch in `memory` and imports what trials need.
 
-    From then on it ends at once at SIGTERM, when its parent ends, and when a law does not return within `law_limit_s`.
-    In a file of the folder `turns` it notes the member at work.
+    From then on it ends at once at SIGTERM, and when its parent ends.
     """
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
-    watch.arm(law_limit_s, turns)
+    watch.share(memory)
     if sys.platform == "linux":
         ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
     if imports is not None:
@@ -82,11 +79,11 @@ def import_for(names: Sequence[str]) -> None:
         simulations.named(name).prepare()
 
 
-def attempt(run: Job, trial: dict[str, Any], scans: str, record: bool) -> WorkerOutput:
+def attempt(run: Job, trial: dict[str, Any], scans: str, files: Files) -> WorkerOutput:
     """The output of `run`; an exception makes the trial a failed one. Raises only `StorageError`."""
     started = perf_counter()
     try:
-        output = run(trial, scans, record)
+        output = run(trial, scans, files)
     except StorageError:
         raise
     except BaseException as error:
@@ -94,26 +91,30 @@ def attempt(run: Job, trial: dict[str, Any], scans: str, record: bool) -> Worker
     return dataclasses.replace(output, timing={"seconds": perf_counter() - started, **output.timing})
 
 
-def run_packed(trial: dict[str, Any], scans: str, record: bool) -> WorkerOutput:
-    """Runs a trial and packs its result.
+def run_and_write(trial: dict[str, Any], scans: str, files: Files) -> WorkerOutput:
+    """Runs a trial and writes its files.
 
-    Raises what the trial raises, and `StorageError` if the temporary folder does not take its recording.
+    Raises what the trial raises, and `StorageError` if the disk does not take a file.
     """
     from trials.batch import series
 
-    result = simulations.run_trial(Trial.from_dict(trial), scans=scans if record else "none")
+    result = simulations.run_trial(Trial.from_dict(trial), scans=scans if files.recording else "none")
     ran = perf_counter()
-    packed = series.pack(result)
+    if files.series is not None:
+        with whole(files.series) as path:
+            series.write(result, path)
     kept = perf_counter()
-    recording = _recorded(result) if record and len(result.times) else None
+    if files.recording is not None and len(result.times):
+        with whole(files.recording) as path:
+            simulations.record(result, path)
     timing = {**result.timing, "series_s": kept - ran, "recording_s": perf_counter() - kept}
-    return WorkerOutput(result.outcome, one_line(result.reason), dict(result.measures), packed, recording, timing)
+    return WorkerOutput(result.outcome, one_line(result.reason), dict(result.measures), timing)
 
 
 def warm_up(trial: dict[str, Any], run: Job) -> None:
     """Runs the first moment of a trial, so that its code is compiled. Errors are left to the trial itself."""
-    whole = Trial.from_dict(trial)
-    attempt(run, simulations.of(whole).moment(whole).as_dict(), "none", False)
+    complete = Trial.from_dict(trial)
+    attempt(run, simulations.of(complete).moment(complete).as_dict(), "none", NO_FILES)
 
 
 def told(error: BaseException) -> str:
@@ -130,22 +131,8 @@ def one_line(text: str) -> str:
     return text if len(text) <= 500 else f"{text[:497]}..."
 
 
-def _recorded(result: TrialResult) -> bytes:
-    from trials.simulations import record
-
-    try:
-        with tempfile.TemporaryDirectory(prefix="herd-") as folder:
-            path = Path(folder) / "trial.rrd"
-            record(result, path)
-            return path.read_bytes()
-    except OSError as error:
-        raise StorageError(
-            f"cannot write a recording below {tempfile.gettempdir()}: {error.strerror or error}"
-        ) from error
-
-
 def limit_s(trial: Trial) -> float:
-    """Wall time (s) after which a trial counts as hung."""
+    """Processor time (s) after which a trial counts as hung."""
     return simulations.of(trial).limit_s(trial)
 
 

@@ -58,7 +58,7 @@ def make_run(folder: Path) -> None:
         "trials": [trial.as_dict() for trial in trials],
     }
     kept = store.create(folder, run, {})
-    kept.add(store.Row(1, "done", "", 1, 1, {}, {}), None, None, {})
+    kept.add(store.Row(1, "done", "", 1, 1, {}, {}), {})
     kept.close()
 
 

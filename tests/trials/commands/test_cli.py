@@ -188,7 +188,7 @@ def test_the_world_is_written_for_any_viewer(tmp_path: Path) -> None:
 
 
 def test_help_imports_nothing_heavy(tmp_path: Path) -> None:
-    heavy = {"numpy", "numba", "mujoco", "rerun", "scipy", "matplotlib", "pebble", "rich", "multiprocessing"}
+    heavy = {"numpy", "numba", "mujoco", "rerun", "scipy", "matplotlib", "psutil", "rich", "multiprocessing"}
     done = subprocess.run(
         [
             sys.executable,

@@ -14,6 +14,7 @@ from typing import Any
 import pytest
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
+import fake_trials
 from made_up_run import MadeUpRun, finished, made_up_run
 from synthetic import synthetic_result
 
@@ -50,7 +51,7 @@ def _kept(run: MadeUpRun, folder: Path, experiment: str, with_series: int = 0, m
             result = synthetic_result(seed=trial.index, seconds=6.0, scans="none", pipeline=pipeline)
             data = series.pack(dataclasses.replace(result, trial=trial))
         told = Row(row.index, row.status, row.reason, 1, row.repeat, dict(row.conditions), dict(row.measures))
-        kept.add(told, data, None, {"seconds": 1.0})
+        fake_trials.keep(kept, told, data, timing={"seconds": 1.0})
     return kept
 
 

@@ -150,10 +150,13 @@ class TestOneFromOutside:
         kept = store.create(tmp_path / "run", run, {})
         for trial in plan.trials:
             simulations.check(trial)
-            output = worker.run_packed(trial.as_dict(), "none", True)
-            assert (output.status, output.recording) == ("done", b"toy")
+            files = kept.files(trial.index, record=True)
+            output = worker.run_and_write(trial.as_dict(), "none", files)
+            assert output.status == "done"
+            assert files.recording is not None
+            assert files.recording.read_bytes() == b"toy"
             row = store.Row(trial.index, "done", "", 1, trial.repeat, dict(trial.conditions), dict(output.measures))
-            kept.add(row, output.series, output.recording, output.timing)
+            kept.add(row, output.timing)
         np.testing.assert_array_equal(kept.series(2).poses_w[:, 0, 0], [0.0, 2.0, 4.0, 6.0])
         kept.close()
         cells = {entry["quantity"]: entry["measured"] for entry in json.loads(report(tmp_path / "run", as_json=True))}

@@ -8,7 +8,7 @@ from time import perf_counter
 
 import numpy as np
 
-from flocking.errors import InputError
+from flocking.errors import InputError, StorageError
 from flocking.types import Floats
 from sensing.truth import judge
 from trials.simulations import watch
@@ -46,6 +46,8 @@ def run_trial(trial: Trial, scans: str = "none", reraise: bool = False) -> Trial
     outcome, reason = "done", ""
     try:
         run(herd, log, last=round(given.duration_s / given.timestep_s))
+    except StorageError:
+        raise
     except Exception as error:
         if reraise:
             raise

@@ -1,0 +1,273 @@
+"""Worker processes, each with a pipe of its own: what becomes of one is no affair of the others.
+
+The parent judges by processor time and by progress, never by wall time, so that a busy machine fails no trial: a worker
+is ended when its task has used up its limit, when a law uses its own without progress, and when it waits for something
+that does not come.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+from collections import deque
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from multiprocessing import connection, resource_tracker
+from time import monotonic
+from typing import Any, NamedTuple
+
+import numpy as np
+import psutil
+
+from flocking.errors import InputError
+from flocking.types import Ints
+from trials.simulations import watch
+
+POLL_S = 0.25
+"""Wall time between two looks at the workers."""
+STILL_S = 60.0
+"""Wall time in which a worker that waits, and uses no processor time, counts as hung."""
+LEAST_S = 0.02
+"""Processor time that counts as some: twice the unit in which the system counts it."""
+BREAKS = 3
+"""How many workers in a row may die before one is ready."""
+SHORT_S = 0.5
+"""Tasks shorter than this (wall time) are handed out one ahead, so that no worker waits while a result is kept."""
+SLOW, LAW, WAITS = "slow", "law", "waits"
+"""For what a worker is ended: its task used up its limit; a law used up its own without progress; it waits."""
+_WAITING = (psutil.STATUS_SLEEPING, psutil.STATUS_STOPPED, psutil.STATUS_IDLE)
+_CONTEXT = multiprocessing.get_context("spawn")
+
+
+class Task(NamedTuple):
+    """A call of a module's function in a worker."""
+
+    key: int
+    """By which the caller knows it."""
+    function: Callable[..., Any]
+    args: tuple[Any, ...]
+    limit_s: float
+    """Processor time that it may use."""
+
+
+class Ended(NamedTuple):
+    """How a task ended."""
+
+    task: Task
+    answer: Any = None
+    """What the function returned, or the exception that it raised."""
+    died: str = ""
+    """`SLOW`, `LAW` or `WAITS`, or how else the worker died, in words. Empty if there is an answer."""
+    turn: watch.Turn | None = None
+    """Of the law that was at work when the worker was ended."""
+
+
+class Stopped(Exception):  # noqa: N818 (no error)
+    """A signal came, whose number is the argument."""
+
+
+@dataclass
+class _Worker:
+    """A worker process, and what the parent saw of it."""
+
+    process: Any
+    pipe: connection.Connection
+    memory: Ints
+    clock: psutil.Process
+    tasks: deque[Task] = field(default_factory=deque)
+    """Handed out and not ended, oldest first: the first is at work."""
+    is_ready: bool = False
+    took_s: float = 0.0
+    """Wall time of its last task."""
+    began: float = field(default_factory=monotonic)
+    task_at_s: float = 0.0
+    """Processor time when its task began."""
+    seen: tuple[int, ...] = ()
+    seen_at_s: float = 0.0
+    """Processor time at the last progress of its law."""
+    moved_at_s: float = 0.0
+    moved: float = field(default_factory=monotonic)
+    """Processor time, and wall time, when it was last seen to use some."""
+    why: str = ""
+    """For what it was killed."""
+
+
+class Crew:
+    """Workers that call `prepare(*args, memory)` before their first task."""
+
+    def __init__(
+        self,
+        jobs: int,
+        prepare: Callable[..., None],
+        args: tuple[Any, ...],
+        law_limit_s: float = watch.STEP_LIMIT_S,
+        still_s: float = STILL_S,
+    ) -> None:
+        self.jobs, self.prepare, self.args = jobs, prepare, args
+        self.law_limit_s, self.still_s = law_limit_s, still_s
+        self.workers: list[_Worker] = []
+        self.breaks = 0
+
+    def run(self, tasks: Sequence[Task], wake: int) -> Iterator[Ended]:
+        """Yields each task as it ends, in any order. `wake`: descriptor on which the number of a signal comes.
+
+        Raises `Stopped` when one comes, and `InputError` if workers die again and again before they are ready.
+        """
+        waiting = deque(tasks)
+        looked = monotonic()
+        while waiting or any(worker.tasks for worker in self.workers):
+            busy = sum(bool(worker.tasks) for worker in self.workers)
+            while len(self.workers) < min(self.jobs, busy + len(waiting)):
+                self.workers.append(_started(self.prepare, self.args))
+            self._hand_out(waiting)
+            watched = [wake, *(w.pipe for w in self.workers), *(w.process.sentinel for w in self.workers)]
+            ready = connection.wait(watched, POLL_S)
+            if wake in ready:
+                raise Stopped(os.read(wake, 1)[0])
+            for worker in [w for w in self.workers if w.pipe in ready or w.process.sentinel in ready]:
+                yield from self._heard(worker)
+                if worker.process.sentinel in ready:
+                    yield from self._buried(worker, waiting)
+            if monotonic() - looked >= POLL_S:
+                looked = monotonic()
+                for worker in self.workers:
+                    self._judge(worker)
+
+    def stop(self) -> None:
+        """Ends all workers at once."""
+        for worker in self.workers:
+            worker.process.kill()
+        for worker in self.workers:
+            worker.process.join()
+            worker.process.close()
+            worker.pipe.close()
+        self.workers.clear()
+
+    def _hand_out(self, waiting: deque[Task]) -> None:
+        for ahead in (0, 1):
+            for worker in self.workers:
+                short = worker.is_ready and 0.0 < worker.took_s < SHORT_S
+                if waiting and len(worker.tasks) == ahead and (ahead == 0 or short):
+                    task = waiting.popleft()
+                    if not worker.tasks:
+                        _begins(worker)
+                    worker.tasks.append(task)
+                    try:
+                        worker.pipe.send((task.function, task.args))
+                    except OSError:  # it has just died: its sentinel tells
+                        return
+
+    def _heard(self, worker: _Worker) -> Iterator[Ended]:
+        """The answers that a worker has sent."""
+        try:
+            while worker.pipe.poll():
+                answer = worker.pipe.recv()
+                if not worker.is_ready:
+                    worker.is_ready, self.breaks = True, 0
+                    _begins(worker)
+                    continue
+                task = worker.tasks.popleft()
+                worker.took_s = monotonic() - worker.began
+                _begins(worker)
+                yield Ended(task, answer)
+        except (EOFError, OSError):  # it died, perhaps in the middle of an answer
+            worker.process.join()
+
+    def _buried(self, worker: _Worker, waiting: deque[Task]) -> Iterator[Ended]:
+        """Puts the tasks of a dead worker back, but for the one that it was at."""
+        worker.process.join()
+        code = worker.process.exitcode
+        self.workers.remove(worker)
+        turn = watch.whose(worker.memory)
+        task = worker.tasks.popleft() if worker.tasks and worker.is_ready else None
+        waiting.extendleft(reversed(worker.tasks))
+        worker.process.close()
+        worker.pipe.close()
+        how = signal.Signals(-code).name if code < 0 else f"exit code {code}"
+        if not worker.is_ready:
+            self.breaks += 1
+            if self.breaks == BREAKS:
+                raise InputError(f"worker processes die before they run a trial ({how})")
+        if task is not None:
+            yield Ended(task, died=worker.why or how, turn=turn)
+
+    def _judge(self, worker: _Worker) -> None:
+        """Kills a worker that has used up a limit."""
+        if not worker.tasks or worker.why:
+            return
+        try:
+            used, status = _processor_time(worker.clock), worker.clock.status()
+        except psutil.Error:  # it has just ended
+            return
+        state = tuple(worker.memory.tolist())
+        if state != worker.seen or not watch.is_on(worker.memory):
+            worker.seen, worker.seen_at_s = state, used
+        if used - worker.moved_at_s >= LEAST_S or status not in _WAITING:
+            worker.moved_at_s, worker.moved = used, monotonic()
+        if used - worker.seen_at_s > self.law_limit_s:
+            worker.why = LAW
+        elif worker.is_ready and used - worker.task_at_s > worker.tasks[0].limit_s:
+            worker.why = SLOW
+        elif monotonic() - worker.moved > self.still_s:
+            worker.why = WAITS
+        if worker.why:
+            worker.process.kill()
+
+
+@contextmanager
+def crew(*args: Any, **how: Any) -> Iterator[Crew]:
+    """A crew, ended at the end of the block."""
+    made = Crew(*args, **how)
+    try:
+        yield made
+    finally:
+        made.stop()
+
+
+def _started(prepare: Callable[..., None], args: tuple[Any, ...]) -> _Worker:
+    shared = _CONTEXT.RawArray("q", watch.SIZE)
+    ours, theirs = _CONTEXT.Pipe()
+    process = _CONTEXT.Process(target=_serve, args=(theirs, shared, prepare, args), daemon=True)
+    # Ctrl-C in a terminal sends its signal to all processes, and only this one is to react: workers inherit a mask that
+    # blocks it. The resource tracker is started before, since its start unblocks SIGINT.
+    resource_tracker.ensure_running()
+    mask = signal.pthread_sigmask(signal.SIG_BLOCK, (signal.SIGINT, signal.SIGHUP))
+    try:
+        process.start()
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
+    theirs.close()
+    return _Worker(process, ours, np.frombuffer(shared, np.int64), psutil.Process(process.pid))
+
+
+def _serve(pipe: connection.Connection, shared: Any, prepare: Callable[..., None], args: tuple[Any, ...]) -> None:
+    """What a worker does until its parent closes the pipe."""
+    prepare(*args, np.frombuffer(shared, np.int64))
+    pipe.send(None)
+    while True:
+        try:
+            function, given = pipe.recv()
+        except (EOFError, OSError):
+            return
+        try:
+            answer = function(*given)
+        except Exception as error:
+            answer = error
+        pipe.send(answer)
+
+
+def _begins(worker: _Worker) -> None:
+    """Notes the moment at which the next task of a worker begins."""
+    worker.began = worker.moved = monotonic()
+    try:
+        worker.task_at_s = worker.moved_at_s = worker.seen_at_s = _processor_time(worker.clock)
+    except psutil.Error:  # it has just ended
+        return
+
+
+def _processor_time(process: psutil.Process) -> float:
+    """s of all threads, in user's code and in the system's."""
+    times = process.cpu_times()
+    return float(times.user + times.system)
