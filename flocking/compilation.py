@@ -106,6 +106,18 @@ def compiled(function: Callable[..., Any]) -> Any:
     return _dispatcher(function)
 
 
+def compiled_for(signature: Any) -> Callable[[Callable[..., Any]], Any]:
+    """As `compiled`, at once and for one signature of Numba's."""
+
+    def decorated(function: Callable[..., Any]) -> Any:
+        made = _dispatcher(function)
+        made.compile(signature)
+        made.disable_compile()
+        return made
+
+    return decorated
+
+
 def borrowing(function: Callable[..., Any]) -> Any:
     """The same for inner loops that allocate nothing: no references are counted.
 

@@ -13,7 +13,7 @@ import numba
 import numpy as np
 from numba.core import sigutils, types
 
-from flocking.compilation import borrowing
+from flocking.compilation import borrowing, compiled_for
 from flocking.kinematic import arrays
 from flocking.kinematic.arrays import Bodies, HerdArrays, Stages, Tracks
 from flocking.kinematic.cells import binned, cells_of
@@ -56,7 +56,7 @@ _STAGES, _HERD, _TRACKS = (
 _F, _I = types.float64, types.int64
 
 
-@numba.njit(types.void(_HERD), cache=True, error_model="numpy")
+@compiled_for(types.void(_HERD))
 def move_all(herd: HerdArrays) -> None:
     """Moves everybody as decided: the second half of a synchronous step."""
     others = herd.bodies.positions.copy()
@@ -64,7 +64,7 @@ def move_all(herd: HerdArrays) -> None:
         move(i, herd, others)
 
 
-@numba.njit(_I(_LAW, _STAGES, _HERD, _I[::1], _F[:, :, ::1], _TRACKS, _I[::1], _I), cache=True, error_model="numpy")
+@compiled_for(_I(_LAW, _STAGES, _HERD, _I[::1], _F[:, :, ::1], _TRACKS, _I[::1], _I))
 def synchronous(
     law: Callable[..., None],
     stages: Stages,
@@ -119,7 +119,7 @@ def part_of(count: int, reach: float) -> int:
     return (count + PARTS - 1) // PARTS if reach < math.inf else 1
 
 
-@numba.njit(_I(_LAW, _STAGES, _HERD, _I[:, ::1], _F[:, :, ::1], _TRACKS, _I[::1]), cache=True, error_model="numpy")
+@compiled_for(_I(_LAW, _STAGES, _HERD, _I[:, ::1], _F[:, :, ::1], _TRACKS, _I[::1]))
 def asynchronous(
     law: Callable[..., None],
     stages: Stages,

@@ -3,18 +3,24 @@
 from __future__ import annotations
 
 import dataclasses
+import io
+import json
 import math
 import os
 import signal
 import sys
 import time
+import zipfile
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from trials.batch.store import Files, Row, StorageError, Store, write_whole
+from flocking.errors import StorageError
+from trials.batch import series
+from trials.batch.folders import Files, write_whole
+from trials.batch.store import Row, Store
 from trials.batch.worker import WorkerOutput
 from trials.simulations import watch
 from trials.simulations.robots import fields
@@ -32,17 +38,27 @@ def trial(index: int, act: str = "succeed", seconds: float = 0.0, seed: int = 1)
     )
 
 
+def packed(trial: Mapping[str, Any], data: bytes = b"") -> bytes:
+    """What stands for the series of a trial: its head alone is real."""
+    out = io.BytesIO()
+    with zipfile.ZipFile(out, "w") as archive:
+        head = {"format": series.FORMAT, "trial": trial}
+        archive.writestr(zipfile.ZipInfo(series.HEAD), json.dumps(head))
+        archive.writestr(zipfile.ZipInfo("data"), data)
+    return out.getvalue()
+
+
 def keep(
     kept: Store,
     row: Row,
-    series: bytes | None = None,
+    data: bytes | None = None,
     recording: bytes | None = None,
     timing: Mapping[str, float] | None = None,
 ) -> None:
     """Keeps a trial as a worker and its parent do: its files come first."""
-    for path, data in zip(kept.files(row.index, True), (series, recording), strict=True):
-        if data is not None:
-            write_whole(path, data)
+    for path, content in zip(kept.files(row.index, True), (data, recording), strict=True):
+        if content is not None:
+            write_whole(path, content)
     kept.add(row, timing or {})
 
 
@@ -84,7 +100,7 @@ def run(trial: dict[str, Any], scans: str, files: Files) -> WorkerOutput:
         return WorkerOutput("failed", "the law returned nan", {"straightness": math.nan, "mmd": math.inf})
     rng = np.random.default_rng([trial["seed"], trial["repeat"], trial["index"]])
     if files.series is not None:
-        write_whole(files.series, rng.bytes(1000))
+        write_whole(files.series, packed(trial, rng.bytes(1000)))
     if files.recording is not None:
         write_whole(files.recording, f"{scans} {trial['index']}".encode())
     return WorkerOutput(

@@ -7,7 +7,7 @@ import time
 from typing import Any
 
 from trials.batch import worker
-from trials.batch.store import Files
+from trials.batch.folders import Files
 from trials.batch.worker import WorkerOutput
 
 SLOW_S = 2.5

@@ -13,10 +13,11 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any, Protocol
 
+from flocking.errors import StorageError
 from trials import simulations
 from trials.batch import worker
 from trials.batch.crew import LAW, SLOW, STILL_S, WAITS, Crew, Ended, Stopped, Task, crew
-from trials.batch.store import DIED, Row, StorageError, Store
+from trials.batch.store import DIED, Row, Store
 from trials.batch.worker import Job, WorkerOutput
 from trials.simulations import watch
 from trials.types import Group, Trial

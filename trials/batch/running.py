@@ -17,7 +17,7 @@ from typing import Any
 from flocking.errors import InputError
 from flocking.lawentry import is_path
 from trials import simulations
-from trials.batch import machine, progress, store, worker
+from trials.batch import folders, machine, progress, store, worker
 from trials.batch.batch import Work, run_batch
 from trials.batch.store import Row, Store
 from trials.design import DEFAULT_SEED, Plan, load, plan
@@ -132,7 +132,7 @@ def start(asked: Asked, out: Path | None, jobs: int, report: Report) -> int:
         **machine.made_with(),
         "trials": [trial.as_dict() for trial in chosen],
     }
-    with store.new_folder(out, made.experiment) as folder:
+    with folders.new_folder(out, made.experiment) as folder:
         kept = store.create(folder, run, users_files(chosen))
         try:
             return _run_rest(kept, jobs, report)
@@ -148,13 +148,18 @@ def resume(folder: Path, jobs: int, report: Report) -> int:
     """
     kept = store.opened(folder)
     try:
-        with store.alone(folder):
+        with folders.alone(folder):
             changed = machine.differences(kept.run, machine.made_with())
             if changed:
                 print(
                     f"note: changed since this run began: {'; '.join(changed)}; results may differ in their last bits",
                     file=sys.stderr,
                 )
+            code = users_files(kept.trials)
+            if code:
+                laws = ", ".join(str(folder / folders.CODE / name) for name in code)
+                print(f"note: runs the user's {laws}", file=sys.stderr)
+            _tell_misfits(kept)
             return _run_rest(kept, jobs, report)
     finally:
         kept.close()
@@ -179,7 +184,7 @@ def debug(asked: Asked) -> int:
     try:
         with tempfile.TemporaryDirectory(prefix="herd-") as kept:
             recorded = (asked.record or record_of(asked.experiment)) != "none"
-            files = store.Files(None, Path(kept) / "trial.rrd" if recorded else None)
+            files = folders.Files(None, Path(kept) / "trial.rrd" if recorded else None)
             output = run_and_write(trial.as_dict(), asked.scans, files)
         if output.status != "done":  # run once more with its error raised, to see where
             simulations.run_trial(trial, reraise=True)
@@ -243,7 +248,7 @@ def _run_rest(kept: Store, jobs: int, report: Report) -> int:
     trials = kept.trials
     record, scans = kept.run.get("record"), kept.run.get("scans")
     if record not in RECORD or scans not in SCANS:
-        raise InputError(f"{kept.folder / store.RUN} is damaged: record {record!r}, scans {scans!r}")
+        raise InputError(f"{kept.folder / folders.RUN} is damaged: record {record!r}, scans {scans!r}")
     recorded = {"all": trials, "first": trials[:1], "none": []}[record]
     ended = {row.index for row in kept.rows() if not row.reason.startswith(store.DIED)}
     left = [trial for trial in trials if trial.index not in ended]
@@ -251,7 +256,7 @@ def _run_rest(kept: Store, jobs: int, report: Report) -> int:
         try:
             simulations.check(trial)
         except (TypeError, ValueError, KeyError, AttributeError) as error:
-            raise InputError(f"{kept.folder / store.RUN}: trial {trial.index}: {error}") from error
+            raise InputError(f"{kept.folder / folders.RUN}: trial {trial.index}: {error}") from error
     started, stopped, new = monotonic(), 0, 0
     if left:
         with progress.shown(len(trials), len(ended)) as shown:
@@ -280,6 +285,16 @@ def _run_rest(kept: Store, jobs: int, report: Report) -> int:
     return 1 if any(row.status != "done" for row in rows) else 0
 
 
+def _tell_misfits(kept: Store) -> None:
+    """Names the trials that are run again since what is kept of them is not theirs."""
+    planned = {trial.index for trial in kept.trials}
+    told = [f"note: trial {index} is run again: {why}" for index, why in kept.misfits.items() if index in planned]
+    for line in told[:SHOWN_FAILURES]:
+        print(line, file=sys.stderr)
+    if len(told) > SHOWN_FAILURES:
+        print(f"note: so are {len(told) - SHOWN_FAILURES} more", file=sys.stderr)
+
+
 def _close(kept: Store, rows: Sequence[Row], new: int, seconds: float, report: Report) -> None:
     """Prints the report's table and the summary; the summary also where the report cannot be made."""
     try:
@@ -299,13 +314,16 @@ def _summary(kept: Store, rows: Sequence[Row], new: int, seconds: float) -> list
         lines.append(progress.failure(row))
         lines.append(f"  once more, with its traceback: {kept.run.get('command')} --only {row.index} --debug")
     if len(failed) > SHOWN_FAILURES:
-        lines.append(f"… and {len(failed) - SHOWN_FAILURES} more failed; all are in {folder / store.RESULTS}")
+        lines.append(f"… and {len(failed) - SHOWN_FAILURES} more failed; all are in {folder / folders.RESULTS}")
+    died = sum(row.reason.startswith(store.DIED) for row in failed)
+    if died:
+        lines.append(f"{died} of them lost their workers; run these again with: herd resume {shlex.quote(str(folder))}")
     lines.append(f"results     {folder}")
     if (folder / "report.html").exists():
         lines.append(f"report      {folder / 'report.html'}")
     recorded = [row.index for row in rows if kept.recording(row.index)]
     if recorded:
-        lines.append(f"recordings  {folder / store.RECORDINGS}, {len(recorded)} of {len(rows)} trials")
+        lines.append(f"recordings  {folder / folders.RECORDINGS}, {len(recorded)} of {len(rows)} trials")
         lines.append(f"play one    herd play {shlex.quote(str(folder))} --trial {recorded[0]}")
     return lines
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 import dataclasses
 import io
 import json
+import struct
 import zipfile
 import zlib
 from collections.abc import Iterator, Mapping
@@ -30,6 +31,11 @@ _TEXTS = ("robot_names", "rules", "measures", "outcome", "reason", "period_m")
 _ARRAYS = tuple(
     f.name for f in dataclasses.fields(TrialResult) if f.name not in (*_LEFT_OUT, *_PARTS, *_TEXTS, "trial")
 )
+_DAMAGE = (
+    zipfile.BadZipFile, zlib.error, KeyError, TypeError, AttributeError, ValueError, EOFError, OSError, MemoryError,
+    RecursionError, NotImplementedError, RuntimeError, struct.error,
+)  # fmt: skip
+"""What reading a damaged or a made-up file may raise."""
 _ZIP_TIME = (1980, 1, 1, 0, 0, 0)
 _LEVEL = 1
 """Level of compression. Higher levels save little on noisy floats and cost a trial several percent of its time."""
@@ -67,9 +73,7 @@ def unpack(data: bytes) -> TrialResult:
     """
     try:
         with zipfile.ZipFile(io.BytesIO(data)) as archive:
-            head = json.loads(archive.read(HEAD))
-            if head["format"] != FORMAT:
-                raise InputError(f"series of format {head['format']}: this version reads format {FORMAT}")
+            head = _head(archive)
             arrays: dict[str, Any] = {
                 name.removesuffix(".npy"): np.lib.format.read_array(io.BytesIO(archive.read(name)), allow_pickle=False)
                 for name in archive.namelist()
@@ -94,8 +98,26 @@ def unpack(data: bytes) -> TrialResult:
         )
     except InputError:
         raise
-    except (zipfile.BadZipFile, zlib.error, KeyError, TypeError, ValueError, EOFError, OSError) as error:
+    except _DAMAGE as error:
         raise InputError(f"damaged series ({error})") from error
+
+
+def trial_of(path: Path) -> Trial:
+    """The trial whose series a file holds. Raises `InputError` if the file is damaged or of another version."""
+    try:
+        with zipfile.ZipFile(path) as archive:
+            return Trial.from_dict(_head(archive)["trial"])
+    except InputError:
+        raise
+    except _DAMAGE as error:
+        raise InputError(f"damaged series ({error})") from error
+
+
+def _head(archive: zipfile.ZipFile) -> Any:
+    head = json.loads(archive.read(HEAD))
+    if head["format"] != FORMAT:
+        raise InputError(f"series of format {head['format']}: this version reads format {FORMAT}")
+    return head
 
 
 def plain(measures: Mapping[str, float]) -> dict[str, float | str | None]:

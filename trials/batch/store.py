@@ -1,7 +1,7 @@
 """A run's folder: what was asked for, and for each trial a row, its series and its recording.
 
     run.json            what was asked for and with what it ran: all that is needed to run it again
-    results.sqlite      table `trials`: one row a trial as it ends; table `timing` apart
+    results.sqlite      table `trials`: one row a trial as it ends, with the digest of that trial; table `timing` apart
     series/0001.npz     the trial's time series, as trials.batch.series packs them
     recordings/0001.rrd for the Rerun viewer, as the trial's simulation writes it
     code/               users' files that took part
@@ -13,25 +13,38 @@ killed.
 
 from __future__ import annotations
 
-import fcntl
+import hashlib
 import json
-import os
-import re
 import shlex
 import shutil
 import sqlite3
-from collections.abc import Iterator, Mapping
-from contextlib import closing, contextmanager, suppress
+from collections.abc import Mapping
+from contextlib import closing, suppress
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
-from flocking.errors import InputError, StorageError
+from flocking.errors import InputError
+from trials.batch.folders import (
+    CODE,
+    RECORDINGS,
+    RESULTS,
+    RUN,
+    SERIES,
+    Files,
+    is_temporary,
+    made_new,
+    reading,
+    whole,
+    write_whole,
+    writing,
+)
 from trials.types import Trial, TrialResult
 
-FORMAT = 2
+FORMAT = 3
 """Of run.json and of the tables (`PRAGMA user_version`)."""
-RUN, RESULTS, SERIES, RECORDINGS, CODE = "run.json", "results.sqlite", "series", "recordings", "code"
+_COLUMNS = "idx, status, reason, seed, repeat, conditions, measures, digest"
 _TABLES = """
 CREATE TABLE trials (
     idx INTEGER PRIMARY KEY,     -- of the trial, from 1
@@ -40,7 +53,8 @@ CREATE TABLE trials (
     seed INTEGER NOT NULL,
     repeat INTEGER NOT NULL,
     conditions TEXT NOT NULL,    -- JSON object
-    measures TEXT NOT NULL       -- JSON object; null is nan
+    measures TEXT NOT NULL,      -- JSON object; null is nan
+    digest TEXT NOT NULL         -- of the trial as it was run
 );
 CREATE TABLE timing (
     idx INTEGER PRIMARY KEY,
@@ -52,16 +66,6 @@ CREATE TABLE timing (
 
 DIED = "its worker process died"
 """How the reason of a trial whose worker died begins. Resuming runs such a trial again and replaces its row."""
-
-
-class Files(NamedTuple):
-    """Where a worker writes what a trial leaves; None: nowhere."""
-
-    series: Path | None
-    recording: Path | None
-
-
-NO_FILES = Files(None, None)
 
 
 @dataclass(frozen=True)
@@ -87,32 +91,65 @@ class Store:
     """The content of run.json."""
     connection: sqlite3.Connection
 
-    @property
+    @cached_property
     def trials(self) -> list[Trial]:
         """All trials of the run, finished or not."""
         return [Trial.from_dict(trial) for trial in self.run["trials"]]
 
+    @cached_property
+    def misfits(self) -> dict[int, str]:
+        """Why what is kept of a trial does not belong to this run, in words, by index of its row."""
+        planned = {trial.index: trial for trial in self.trials}
+        with reading(self.folder / RESULTS):
+            kept = self.connection.execute("SELECT idx, digest, seed FROM trials ORDER BY idx").fetchall()
+        found = {}
+        for index, of, seed in kept:
+            why = self._misfit(planned.get(index), str(of), seed)
+            if why:
+                found[index] = why
+        return found
+
+    def _misfit(self, trial: Trial | None, of: str, seed: int) -> str:
+        from trials.batch.series import trial_of
+
+        if trial is None:
+            return "the run has no such trial"
+        own = digest(trial)
+        if of != own:
+            other = f"seed {seed} in place of {trial.seed}" if seed != trial.seed else "another run or other settings"
+            return f"its row is that of another trial ({other})"
+        path = self.folder / SERIES / f"{trial.index:04d}.npz"
+        if not path.is_file():
+            return ""
+        try:
+            held = trial_of(path)
+        except InputError as error:
+            return f"its series: {error}"
+        if digest(held) != own:
+            return f"its series is that of trial {held.index}, seed {held.seed}, of another run or other settings"
+        return ""
+
     def rows(self) -> list[Row]:
-        """The finished trials, by index."""
+        """The finished trials, by index, without those that do not fit the run."""
         from trials.batch.series import numbers
 
-        with _reading(self.folder / RESULTS):
-            rows = self.connection.execute(
-                "SELECT idx, status, reason, seed, repeat, conditions, measures FROM trials ORDER BY idx"
-            ).fetchall()
+        misfits = self.misfits
+        with reading(self.folder / RESULTS):
+            rows = self.connection.execute(f"SELECT {_COLUMNS} FROM trials ORDER BY idx").fetchall()
             try:
                 return [
                     Row(
                         index, status, reason, seed, repeat, dict(json.loads(conditions)), numbers(json.loads(measures))
                     )
-                    for index, status, reason, seed, repeat, conditions, measures in rows
+                    for index, status, reason, seed, repeat, conditions, measures, _ in rows
+                    if index not in misfits
                 ]
             except (TypeError, AttributeError) as error:
                 raise ValueError(error) from error
 
     def timing(self) -> dict[int, dict[str, float]]:
         """Wall time (s) of each finished trial in all (`seconds`) and by part."""
-        with _reading(self.folder / RESULTS):
+        with reading(self.folder / RESULTS):
             rows = self.connection.execute("SELECT idx, seconds, parts FROM timing ORDER BY idx").fetchall()
             return {index: {"seconds": seconds, **json.loads(parts)} for index, seconds, parts in rows}
 
@@ -123,7 +160,7 @@ class Store:
         path = self.folder / SERIES / f"{index:04d}.npz"
         if not path.is_file():
             raise InputError(f"trial {index} left no series in {self.folder}")
-        with _reading(path):
+        with reading(path):
             data = path.read_bytes()
         try:
             return unpack(data)
@@ -145,15 +182,19 @@ class Store:
         return Files(self.folder / SERIES / f"{index:04d}.npz", recording)
 
     def add(self, row: Row, timing: Mapping[str, float]) -> None:
-        """Keeps a finished trial, whose files are there. Raises `StorageError` if the disk does not take it."""
+        """Keeps a finished trial, whose files are there; in place of a row whose worker died, or that did not fit.
+
+        Raises `StorageError` if the disk does not take it.
+        """
         from trials.batch.series import plain
 
         parts = dict(timing)
         seconds = parts.pop("seconds", 0.0)
-        with _writing(self.folder / RESULTS), self.connection:
-            self.connection.execute("DELETE FROM trials WHERE idx = ? AND reason LIKE ?", (row.index, f"{DIED}%"))
+        with writing(self.folder / RESULTS), self.connection:
+            gone = "%" if row.index in self.misfits else f"{DIED}%"
+            self.connection.execute("DELETE FROM trials WHERE idx = ? AND reason LIKE ?", (row.index, gone))
             self.connection.execute(
-                "INSERT INTO trials VALUES (?, ?, ?, ?, ?, ?, ?)",
+                "INSERT INTO trials VALUES (?, ?, ?, ?, ?, ?, ?, ?)",
                 (
                     row.index,
                     row.status,
@@ -162,15 +203,27 @@ class Store:
                     row.repeat,
                     json.dumps(row.conditions),
                     json.dumps(plain(row.measures)),
+                    self._digests[row.index],
                 ),
             )
             self.connection.execute(
                 "INSERT OR REPLACE INTO timing VALUES (?, ?, ?)", (row.index, seconds, json.dumps(parts))
             )
+        self.misfits.pop(row.index, None)
+
+    @cached_property
+    def _digests(self) -> dict[int, str]:
+        return {trial.index: digest(trial) for trial in self.trials}
 
     def close(self) -> None:
         """Closes the tables."""
         self.connection.close()
+
+
+def digest(trial: Trial) -> str:
+    """A short text that is the same for equal trials alone."""
+    content = json.dumps(trial.as_dict(), sort_keys=True)
+    return hashlib.blake2b(content.encode(), digest_size=12).hexdigest()
 
 
 def create(folder: Path, run: Mapping[str, Any], code: Mapping[str, str]) -> Store:
@@ -179,16 +232,16 @@ def create(folder: Path, run: Mapping[str, Any], code: Mapping[str, str]) -> Sto
     What a killed process left there before its run.json stood is taken over. Raises `InputError` if the folder holds
     another run or anything else; nothing is ever overwritten.
     """
-    _made(folder)
+    made_new(folder)
     if (folder / RUN).exists():
         raise InputError(
             f"{folder} holds a run: name another folder, or finish it with herd resume {shlex.quote(str(folder))}"
         )
     found = sorted(path.name for path in folder.iterdir())
-    others = [name for name in found if name not in (RESULTS, SERIES, RECORDINGS, CODE) and not _is_temporary(name)]
+    others = [name for name in found if name not in (RESULTS, SERIES, RECORDINGS, CODE) and not is_temporary(name)]
     if others:
         raise InputError(f"{folder} is not empty ({others[0]}): expected a new or empty folder for the run")
-    if found and not _is_half_made(folder):
+    if found and not _is_halfmade_new(folder):
         raise InputError(
             f"{folder} holds parts of a run without its {RUN} ({found[0]}): expected a new or empty folder for the run"
         )
@@ -203,24 +256,24 @@ def create(folder: Path, run: Mapping[str, Any], code: Mapping[str, str]) -> Sto
 
 
 def _create(folder: Path, run: Mapping[str, Any], code: Mapping[str, str]) -> Store:
-    with _writing(folder):
+    with writing(folder):
         for part in (SERIES, RECORDINGS):
             (folder / part).mkdir()
-    with _writing(folder / RESULTS), whole(folder / RESULTS) as path:
+    with writing(folder / RESULTS), whole(folder / RESULTS) as path:
         made = sqlite3.connect(path)
         made.executescript(f"{_TABLES} PRAGMA user_version = {FORMAT};")
         made.close()
     if code:
-        with _writing(folder / CODE):
+        with writing(folder / CODE):
             (folder / CODE).mkdir()
         for name, text in code.items():
             write_whole(folder / CODE / name, text.encode())
     write_whole(folder / RUN, _run_text(run).encode())
-    with _writing(folder / RESULTS):
+    with writing(folder / RESULTS):
         return Store(folder, run, sqlite3.connect(folder / RESULTS))
 
 
-def _is_half_made(folder: Path) -> bool:
+def _is_halfmade_new(folder: Path) -> bool:
     """Whether a folder without run.json holds what a killed `create` left, and nothing else.
 
     Its parts come in the order of `_create`: users' files come after tables without rows.
@@ -251,7 +304,7 @@ def opened(folder: Path) -> Store:
     path = folder / RESULTS
     if not path.is_file():
         raise InputError(f"{folder} lacks its {RESULTS}: the run cannot be read")
-    with _reading(path):
+    with reading(path):
         connection = sqlite3.connect(f"{path.absolute().as_uri()}?mode=rw", uri=True)
         try:
             version = connection.execute("PRAGMA user_version").fetchone()[0]
@@ -262,144 +315,18 @@ def opened(folder: Path) -> Store:
             found = connection.execute("PRAGMA quick_check(1)").fetchone()[0]
             if found != "ok":
                 raise InputError(f"{path} is damaged ({' '.join(found.split())}); nothing was changed")
-            connection.execute("SELECT idx, status, reason, seed, repeat, conditions, measures FROM trials LIMIT 1")
+            connection.execute(f"SELECT {_COLUMNS} FROM trials LIMIT 1")
         except BaseException:
             connection.close()
             raise
     return Store(folder, run, connection)
 
 
-def newest(experiment: str | None = None, base: Path = Path("runs")) -> Path:
-    """The folder of the newest run below `base`, of one experiment or of any.
-
-    Raises `InputError` if there is none.
-    """
-    found = sorted((path.stat().st_mtime_ns, path) for path in base.glob(f"{experiment or '*'}/*/{RUN}"))
-    if not found:
-        of = f" of {experiment}" if experiment else ""
-        raise InputError(f"no run{of} below {base}/: start one with herd run, or name the run's folder")
-    return found[-1][1].parent
-
-
-def next_folder(experiment: str, base: Path = Path("runs")) -> Path:
-    """Makes and returns the next numbered folder for an experiment: runs/EXPERIMENT/001 and so on."""
-    parent = base / experiment
-    with _writing(parent):
-        parent.mkdir(parents=True, exist_ok=True)
-        number = (
-            max(
-                (int(path.name) for path in parent.iterdir() if path.name.isascii() and path.name.isdecimal()),
-                default=0,
-            )
-            + 1
-        )
-        while True:
-            folder = parent / f"{number:03d}"
-            try:
-                folder.mkdir()
-                return folder
-            except FileExistsError:
-                number += 1
-
-
-@contextmanager
-def alone(folder: Path) -> Iterator[None]:
-    """Locks a run's folder for this process, and removes the temporary files of processes that were killed.
-
-    Raises `InputError` if another process is starting a run there, or running its trials.
-    """
-    with _reading(folder):
-        handle = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
-    try:
-        try:
-            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError as error:
-            raise InputError(f"another process is running the trials of {folder}") from error
-        except OSError:  # a file system without locks
-            pass
-        _clear(folder)
-        yield
-        _clear(folder)
-    finally:
-        os.close(handle)
-
-
-@contextmanager
-def new_folder(out: Path | None, experiment: str) -> Iterator[Path]:
-    """The folder for a new run, locked: `out`, made where it is not yet, or the next numbered one of the experiment.
-
-    A folder that was made here and in which nothing is left is removed at the end. Raises `InputError` if `out` is a
-    file, or another process is at work there.
-    """
-    folder, made = (out, _made(out)) if out is not None else (next_folder(experiment), True)
-    try:
-        with alone(folder):
-            yield folder
-    finally:
-        if made:
-            with suppress(OSError):
-                folder.rmdir()
-
-
-def _made(folder: Path) -> bool:
-    """Makes a folder; whether it was not there before."""
-    if folder.exists() and not folder.is_dir():
-        raise InputError(f"{folder} is a file: expected a folder for the run")
-    with _writing(folder):
-        folder.parent.mkdir(parents=True, exist_ok=True)
-        try:
-            folder.mkdir()
-        except FileExistsError:
-            return False
-    return True
-
-
-def _clear(folder: Path) -> None:
-    """Removes the temporary files of processes that are gone: only the one that holds the lock writes."""
-    for part in (SERIES, RECORDINGS):
-        for path in (folder / part).glob(".*"):
-            if _is_temporary(path.name):
-                with _writing(path):
-                    path.unlink(missing_ok=True)
-
-
-_TEMPORARY = re.compile(r"\.(\d{4,}\.npz|\d{4,}\.rrd|run\.json|results\.sqlite)\.\d+(-journal)?")
-
-
-def _is_temporary(name: str) -> bool:
-    """Whether `whole` makes files of such a name for the parts of a run."""
-    return _TEMPORARY.fullmatch(name) is not None
-
-
-@contextmanager
-def whole(path: Path) -> Iterator[Path]:
-    """A temporary path to write a file at, which then takes the place of `path`: it is there whole or not at all.
-
-    Raises `StorageError` if the disk does not take it.
-    """
-    temporary = path.with_name(f".{path.name}.{os.getpid()}")
-    with _writing(path):
-        try:
-            yield temporary
-            with open(temporary, "rb") as handle:
-                os.fsync(handle.fileno())
-            os.replace(temporary, path)
-        except BaseException:
-            temporary.unlink(missing_ok=True)
-            raise
-
-
-def write_whole(path: Path, data: bytes) -> None:
-    """Writes a file so that it is there whole or not at all. Raises `StorageError` if the disk does not take it."""
-    with whole(path) as temporary:
-        temporary.write_bytes(data)
-
-
 def _read_run(folder: Path) -> dict[str, Any]:
     path = folder / RUN
     if not path.is_file():
         raise InputError(f"{folder} is not the folder of a run: it has no {RUN}")
-    with _reading(path):
+    with reading(path):
         data = path.read_bytes()
     try:
         run = json.loads(data)
@@ -431,24 +358,3 @@ def _run_text(run: Mapping[str, Any]) -> str:
     head = json.dumps({name: value for name, value in run.items() if name != "trials"}, indent=2, ensure_ascii=False)
     trials = ",\n".join(f"    {json.dumps(trial, ensure_ascii=False)}" for trial in run["trials"])
     return f'{head[:-2]},\n  "trials": [\n{trials}\n  ]\n}}\n'
-
-
-@contextmanager
-def _reading(path: Path) -> Iterator[None]:
-    try:
-        yield
-    except InputError:
-        raise
-    except (sqlite3.Error, ValueError) as error:
-        raise InputError(f"{path} cannot be read: it is damaged or is no results file ({error})") from error
-    except OSError as error:
-        raise InputError(f"{path} cannot be read: {error.strerror or error}") from error
-
-
-@contextmanager
-def _writing(path: Path) -> Iterator[None]:
-    try:
-        yield
-    except (sqlite3.Error, OSError) as error:
-        why = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
-        raise StorageError(f"cannot write {path}: {why}") from error

@@ -15,9 +15,10 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any
 
+from flocking.errors import StorageError
 from flocking.types import Ints
 from trials import simulations
-from trials.batch.store import NO_FILES, Files, StorageError, whole
+from trials.batch.folders import NO_FILES, Files, whole
 from trials.simulations import watch
 from trials.types import Trial
 

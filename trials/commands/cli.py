@@ -212,8 +212,8 @@ def world(
     The compiled world with its robots at their start; it loads in any MuJoCo viewer.
     """
     from trials import simulations
+    from trials.batch.folders import write_whole
     from trials.batch.running import Asked, planned
-    from trials.batch.store import write_whole
     from trials.commands import lawcheck, options
 
     asked = Asked(experiment, repeats=repeat, settings=options.settings(settings or []))
@@ -294,7 +294,7 @@ def _cores() -> int:
 def _run_folder(folder: Path | None) -> Path:
     if folder is not None:
         return folder
-    from trials.batch.store import newest
+    from trials.batch.folders import newest
 
     return newest()
 

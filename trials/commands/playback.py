@@ -38,7 +38,7 @@ def play(folder: Path | None, trial: int | None, web: bool) -> None:
 def recording(folder: Path | None, trial: int | None) -> Path:
     """The file to play. Raises `InputError`, naming the recorded trials, if there is none."""
     if folder is None:
-        from trials.batch.store import newest
+        from trials.batch.folders import newest
 
         folder = newest()
     if not folder.is_dir():

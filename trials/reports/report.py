@@ -11,10 +11,11 @@ from typing import Any
 
 from flocking.errors import InputError
 from trials import design
-from trials.batch.store import Store, newest, opened
+from trials.batch.folders import newest
+from trials.batch.store import Store, opened
 from trials.evidence.claims import Entry
 from trials.evidence.summary import Cell, Mean, cells, mean, named
-from trials.reports.wording import VERDICTS, arms_of, columns, counted, shown_interval, shown_number, verdicts
+from trials.reports.wording import VERDICTS, arms_of, columns, counted, misfits, shown_interval, shown_number, verdicts
 from trials.simulations import measures_of
 
 STYLES = {True: "green", False: "red", None: "yellow"}
@@ -96,6 +97,8 @@ def _on_terminal(store: Store, module: Any, entries: Sequence[Entry] | None, fou
             if entries:
                 console.print(Text(f"{verdicts(entries)}\n"))
         console.print(Text(counted(store)))
+        for line in misfits(store):
+            console.print(Text(line, style="red"))
         lost = [row.index for row in store.rows() if row.status == "done" and not store.has_series(row.index)]
         if lost:
             console.print(

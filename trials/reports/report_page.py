@@ -12,13 +12,23 @@ from pathlib import Path
 from string import Template
 from typing import Any
 
-from trials.batch.store import Store, write_whole
+from trials.batch.folders import write_whole
+from trials.batch.store import Store
 from trials.batch.worker import one_line
 from trials.evidence.claims import Entry
 from trials.evidence.summary import Cell, mean, named
 from trials.reports import figures as draw
 from trials.reports.figures import Figure
-from trials.reports.wording import VERDICTS, arms_of, counted, key_measures, shown_interval, shown_number, verdicts
+from trials.reports.wording import (
+    VERDICTS,
+    arms_of,
+    counted,
+    key_measures,
+    misfits,
+    shown_interval,
+    shown_number,
+    verdicts,
+)
 from trials.simulations import measures_of
 from trials.types import Measure
 
@@ -141,15 +151,18 @@ def _measures(found: Sequence[Cell], known: Mapping[str, Measure]) -> str:
 
 
 def _failures(store: Store) -> str:
+    alien = "".join(f"<p class='small'>{escape(line)}</p>" for line in misfits(store))
     failed = [row for row in store.rows() if row.status != "done"]
     if not failed:
-        return ""
+        return alien
     rows = "".join(
         f"<tr><td class='number'>{row.index}</td><td>{escape(named(row.conditions))}, repeat {row.repeat}</td>"
         f"<td>{escape(row.reason)}</td></tr>"
         for row in failed
     )
-    return f"<h2>Failed trials</h2><table><tr><th>trial</th><th>conditions</th><th>reason</th></tr>{rows}</table>"
+    return (
+        f"{alien}<h2>Failed trials</h2><table><tr><th>trial</th><th>conditions</th><th>reason</th></tr>{rows}</table>"
+    )
 
 
 def _about(store: Store) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import shlex
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -39,6 +40,22 @@ def counted(store: Store) -> str:
     parts += [f"{len(failed)} failed"] if failed else []
     parts += [f"{missing} have not run"] if missing else []
     return ", ".join(parts)
+
+
+MOST_MISFITS = 10
+"""Lines of `misfits`."""
+
+
+def misfits(store: Store) -> list[str]:
+    """What is kept in a run's folder and does not belong to the run, in lines: reports leave it out."""
+    if not store.misfits:
+        return []
+    lines = [f"trial {index} is left out: {why}" for index, why in store.misfits.items()]
+    if len(lines) > MOST_MISFITS:
+        lines[MOST_MISFITS:] = [f"so are {len(lines) - MOST_MISFITS} more"]
+    if any(trial.index in store.misfits for trial in store.trials):
+        lines.append(f"run them again with: herd resume {shlex.quote(str(store.folder))}")
+    return lines
 
 
 def verdicts(entries: Sequence[Entry]) -> str:

@@ -14,10 +14,10 @@ from typing import Any
 
 import pytest
 
-from flocking.errors import InputError
+from flocking.errors import InputError, StorageError
 from trials.batch import store
 from trials.batch.batch import Summary, Work, run_batch
-from trials.batch.store import Row, StorageError, Store
+from trials.batch.store import Row, Store
 from trials.types import Trial
 
 sys.path.insert(0, str(Path(__file__).parents[1]))

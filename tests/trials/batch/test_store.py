@@ -10,16 +10,19 @@ import os
 import sqlite3
 import subprocess
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
 
-from flocking.errors import InputError
-from trials.batch import store
-from trials.batch.store import DIED, Row, StorageError, Store
+from flocking.errors import InputError, StorageError
+from trials.batch import folders, series, store
+from trials.batch.store import DIED, Row, Store
+from trials.types import Trial
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 import fake_trials
+from synthetic import synthetic_result
 
 TRIALS = [fake_trials.trial(k) for k in (1, 2, 3)]
 
@@ -33,6 +36,10 @@ def row(index: int, **measures: float) -> Row:
     return Row(index, "done", "", 1, 1, {"herd.law.exclusion_m": 0.5}, measures)
 
 
+def series_of(index: int) -> bytes:
+    return fake_trials.packed(TRIALS[index - 1].as_dict())
+
+
 def refused(folder: Path, words: str) -> None:
     """Opening fails in one line and changes no byte of what is there."""
     before = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
@@ -44,8 +51,8 @@ def refused(folder: Path, words: str) -> None:
 
 def test_what_is_kept_comes_back_in_order_of_index(tmp_path: Path) -> None:
     kept = new(tmp_path / "run")
-    fake_trials.keep(kept, row(3, mmd=0.1), b"series 3", timing={"seconds": 2.0, "loop_s": 1.5})
-    fake_trials.keep(kept, row(1, mmd=math.nan), b"series 1", b"recording 1", {"seconds": 1.0})
+    fake_trials.keep(kept, row(3, mmd=0.1), series_of(3), timing={"seconds": 2.0, "loop_s": 1.5})
+    fake_trials.keep(kept, row(1, mmd=math.nan), series_of(1), b"recording 1", {"seconds": 1.0})
     kept.close()
     again = store.opened(tmp_path / "run")
     assert [r.index for r in again.rows()] == [1, 3]
@@ -55,7 +62,7 @@ def test_what_is_kept_comes_back_in_order_of_index(tmp_path: Path) -> None:
     assert again.trials == TRIALS
     assert again.recording(1) is not None
     assert again.recording(3) is None
-    assert (tmp_path / "run" / "series" / "0003.npz").read_bytes() == b"series 3"
+    assert (tmp_path / "run" / "series" / "0003.npz").read_bytes() == series_of(3)
     assert (tmp_path / "run" / "code" / "mine.py").read_text() == "law = 1\n"
 
 
@@ -64,7 +71,7 @@ def test_the_tables_do_not_depend_on_the_order_of_insertion(tmp_path: Path) -> N
     for name, order in (("a", (1, 2, 3)), ("b", (3, 1, 2))):
         kept = new(tmp_path / name)
         for index in order:
-            fake_trials.keep(kept, row(index, mmd=index / 3), b"x")
+            fake_trials.keep(kept, row(index, mmd=index / 3), series_of(index))
         tables.append(kept.connection.execute("SELECT * FROM trials").fetchall())
         kept.close()
     assert tables[0] == tables[1]
@@ -181,7 +188,7 @@ def test_what_a_killed_start_left_is_taken_over(tmp_path: Path, there: int) -> N
 @pytest.mark.parametrize("lost", ["run.json", "results.sqlite"])
 def test_a_folder_with_results_is_never_taken_over(tmp_path: Path, lost: str) -> None:
     kept = new(tmp_path / "run")
-    fake_trials.keep(kept, row(1), b"series")
+    fake_trials.keep(kept, row(1), series_of(1))
     kept.close()
     for name in {"run.json", lost}:
         (tmp_path / "run" / name).unlink()
@@ -193,14 +200,16 @@ def test_a_folder_with_results_is_never_taken_over(tmp_path: Path, lost: str) ->
 
 START = """
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 from flocking.errors import InputError
-from trials.batch import store
+from trials.batch import folders, store
 folder, barrier = Path(sys.argv[1]), Path(sys.argv[2])
+print("ready", flush=True)
 while not barrier.exists():
     pass
 try:
-    with store.new_folder(folder, "fake") as new:
+    with folders.new_folder(folder, "fake") as new:
         store.create(new, {"format": store.FORMAT, "experiment": "fake", "trials": []}, {"mine.py": "law = 1"}).close()
     print("won")
 except InputError as error:
@@ -217,6 +226,9 @@ def test_of_many_starts_in_one_folder_one_wins_and_loses_nothing(tmp_path: Path)
         )
         for _ in range(4)
     ]
+    for process in starts:
+        assert process.stdout is not None
+        assert process.stdout.readline() == "ready\n"
     barrier.touch()
     said = [process.communicate()[0].strip() for process in starts]
     assert said.count("won") == 1
@@ -303,35 +315,105 @@ def test_a_missing_or_damaged_series_is_told(tmp_path: Path) -> None:
         kept.series(2)
 
 
+class TestWhatDoesNotBelongToTheRun:
+    """Parts of a run's folder that were put there from elsewhere, or edited: named, left out, and run again."""
+
+    @pytest.fixture
+    def folder(self, tmp_path: Path) -> Path:
+        """Two finished trials, with series, of three."""
+        kept = new(tmp_path / "run")
+        self._finish(kept, TRIALS[:2])
+        kept.close()
+        return tmp_path / "run"
+
+    @staticmethod
+    def _finish(kept: Store, trials: Sequence[Trial]) -> None:
+        for trial in trials:
+            result = dataclasses.replace(synthetic_result(seed=trial.index, seconds=1.0, scans="none"), trial=trial)
+            told = Row(trial.index, "done", "", trial.seed, trial.repeat, dict(trial.conditions), {})
+            fake_trials.keep(kept, told, series.pack(result))
+
+    def _misfits(self, folder: Path) -> dict[int, str]:
+        kept = store.opened(folder)
+        found = dict(kept.misfits)
+        assert [row.index for row in kept.rows()] == [index for index in (1, 2) if index not in found]
+        self._finish(kept, [trial for trial in TRIALS if trial.index in found])
+        assert kept.misfits == {}
+        assert [row.index for row in kept.rows()] == [1, 2]
+        kept.close()
+        return found
+
+    def test_what_belongs_to_it_is_no_misfit(self, folder: Path) -> None:
+        assert self._misfits(folder) == {}
+
+    def test_the_series_of_another_trial(self, folder: Path) -> None:
+        (folder / "series" / "0002.npz").write_bytes((folder / "series" / "0001.npz").read_bytes())
+        found = self._misfits(folder)
+        assert list(found) == [2]
+        assert found[2].startswith("its series is that of trial 1, seed 1")
+
+    def test_a_series_cut_short(self, folder: Path) -> None:
+        path = folder / "series" / "0001.npz"
+        path.write_bytes(path.read_bytes()[:-100])
+        found = self._misfits(folder)
+        assert list(found) == [1]
+        assert found[1].startswith("its series: damaged series")
+
+    def test_an_edited_seed(self, folder: Path) -> None:
+        with sqlite3.connect(folder / "results.sqlite") as connection:
+            connection.execute("UPDATE trials SET digest = 'other', seed = 7 WHERE idx = 2")
+        connection.close()
+        assert self._misfits(folder) == {2: "its row is that of another trial (seed 7 in place of 1)"}
+
+    def test_results_of_another_run(self, folder: Path, tmp_path: Path) -> None:
+        """The same seeds and conditions with another duration."""
+        run = json.loads((folder / "run.json").read_text())
+        for trial in run["trials"]:
+            trial["setup"]["duration_s"] = 2.0
+        (folder / "run.json").write_text(json.dumps(run))
+        kept = store.opened(folder)
+        assert list(kept.misfits) == [1, 2]
+        assert set(kept.misfits.values()) == {"its row is that of another trial (another run or other settings)"}
+        assert kept.rows() == []
+
+    def test_a_row_of_no_trial(self, folder: Path) -> None:
+        run = json.loads((folder / "run.json").read_text())
+        run["trials"] = run["trials"][:1]
+        (folder / "run.json").write_text(json.dumps(run))
+        kept = store.opened(folder)
+        assert kept.misfits == {2: "the run has no such trial"}
+        assert [row.index for row in kept.rows()] == [1]
+
+
 def test_folders_are_numbered_and_the_newest_is_found(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="no run below"):
-        store.newest(base=tmp_path)
-    first, second = store.next_folder("fake", tmp_path), store.next_folder("fake", tmp_path)
+        folders.newest(base=tmp_path)
+    first, second = folders.next_folder("fake", tmp_path), folders.next_folder("fake", tmp_path)
     assert [first.name, second.name] == ["001", "002"]
     (tmp_path / "fake" / "²").mkdir()  # a digit to Python, and no number
-    other = store.next_folder("other", tmp_path)
+    other = folders.next_folder("other", tmp_path)
     for number, folder in enumerate((second, first, other)):
         new(folder).close()
         os.utime(folder / "run.json", (number, number))
-    assert store.newest(base=tmp_path) == other
-    assert store.newest("fake", tmp_path) == first
+    assert folders.newest(base=tmp_path) == other
+    assert folders.newest("fake", tmp_path) == first
     with pytest.raises(InputError, match="no run of nobody"):
-        store.newest("nobody", tmp_path)
-    assert store.next_folder("fake", tmp_path).name == "003"
+        folders.newest("nobody", tmp_path)
+    assert folders.next_folder("fake", tmp_path).name == "003"
 
 
 def test_only_one_process_may_run_the_trials_of_a_folder(tmp_path: Path) -> None:
     new(tmp_path / "run").close()
     with (
-        store.alone(tmp_path / "run"),
+        folders.alone(tmp_path / "run"),
         pytest.raises(InputError, match="another process"),
-        store.alone(tmp_path / "run"),
+        folders.alone(tmp_path / "run"),
     ):
         pass
     half = tmp_path / "run" / "series" / ".0001.npz.123"
     half.write_bytes(b"of a killed process")
     users = tmp_path / "run" / "series" / ".notes"
     users.write_text("of the user's own")
-    with store.alone(tmp_path / "run"):
+    with folders.alone(tmp_path / "run"):
         assert not half.exists()
     assert users.exists()

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from flocking.errors import InputError
-from trials.batch import store
+from trials.batch import folders, store
 from trials.batch.running import ranges
 from trials.commands import cli, options
 
@@ -351,7 +351,7 @@ def test_a_trial_that_was_not_recorded_cannot_be_played(refused, tmp_path: Path)
 
 def test_a_run_that_another_process_is_at_is_left_alone(refused, tmp_path: Path) -> None:
     make_run(tmp_path / "run")
-    with store.alone(tmp_path / "run"):
+    with folders.alone(tmp_path / "run"):
         assert "another process" in refused("resume", "run")
 
 

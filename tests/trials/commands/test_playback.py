@@ -42,7 +42,7 @@ def test_a_run_without_recordings_says_how_to_get_them(tmp_path: Path) -> None:
 
 
 def test_without_a_folder_the_newest_run_plays(run: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("trials.batch.store.newest", lambda: run)
+    monkeypatch.setattr("trials.batch.folders.newest", lambda: run)
     assert playback.recording(None, 3) == run / "recordings" / "0003.rrd"
 
 

@@ -11,7 +11,8 @@ from pathlib import Path
 from typing import Any
 
 from flocking.errors import InputError
-from trials.batch.store import newest, opened
+from trials.batch.folders import newest
+from trials.batch.store import opened
 from trials.evidence.claims import Entry, answered, claim_of
 from trials.evidence.runs import Cells, Run, UndecidedError, arms
 from trials.studies.detection.judges import JUDGES, KEYS, Data

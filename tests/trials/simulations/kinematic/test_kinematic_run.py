@@ -133,7 +133,7 @@ def test_a_worker_needs_neither_mujoco_nor_rerun(tmp_path: Path) -> None:
         "import sys; from trials.batch import store, worker; from trials.design import plan;"
         "worker.import_for(['kinematic']);"
         "trial = plan('lch-table-4-1', settings={'steps': 2}).trials[0];"
-        "output = worker.run_and_write(trial.as_dict(), 'some', store.NO_FILES);"
+        "output = worker.run_and_write(trial.as_dict(), 'some', folders.NO_FILES);"
         "print(output.status, sorted({'mujoco', 'rerun', 'matplotlib'} & set(sys.modules)))"
     )
     done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True)
