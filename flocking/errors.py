@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import re
 from collections.abc import Iterable
 
 
@@ -16,6 +17,19 @@ class InputError(ValueError):
 
 class StorageError(InputError):
     """The disk does not take a file. No trial is at fault: a batch stops, and what was stored is kept."""
+
+
+_CONTROLS = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f]")
+
+
+def has_controls(text: str) -> bool:
+    """Whether text from outside would act on a terminal when it is printed."""
+    return _CONTROLS.search(text) is not None
+
+
+def printable(text: str) -> str:
+    """`text` with a replacement character for each that would act on a terminal, or that no encoding has."""
+    return _CONTROLS.sub("\N{REPLACEMENT CHARACTER}", text).encode(errors="replace").decode()
 
 
 def unknown_name(kind: str, given: object, valid: Iterable[str]) -> InputError:

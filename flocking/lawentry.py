@@ -10,6 +10,7 @@ import ast
 import hashlib
 import importlib.util
 import os
+import stat
 import sys
 import tempfile
 from collections.abc import Callable, Mapping
@@ -21,9 +22,10 @@ from typing import Any
 
 import numpy as np
 
-from flocking import found
+from flocking import found, users_files
 from flocking.compilation import PACKAGES, cache_folder
 from flocking.errors import InputError, StorageError
+from flocking.lawdata import from_data
 from flocking.parameters import Relation, declared, filled, relation
 from flocking.selection import parse_sets
 from flocking.taxonomy import Filled, Herd, Taxonomy, Validation
@@ -199,10 +201,24 @@ def is_path(name: str) -> bool:
     return name.endswith(".py") or os.sep in name
 
 
+MOST_BYTES = 1_000_000
+"""Of a user's law file: some hundred times what the longest of the project's has."""
+
+
 def read_source(path: str) -> str:
     """The text of a user's law file; `InputError` if it cannot be read."""
     try:
+        path.encode()
+        found = os.stat(path)
+        if not stat.S_ISREG(found.st_mode):
+            raise InputError(f"law file {path!r} is no file; expected a Python file")
+        if found.st_size > MOST_BYTES:
+            raise InputError(f"law file {path!r} has {found.st_size} bytes; expected at most {MOST_BYTES}")
         return Path(path).read_text(encoding="utf-8")
+    except UnicodeEncodeError:
+        raise InputError(f"law file {path!a}: expected a name in UTF-8") from None
+    except InputError:
+        raise
     except FileNotFoundError:
         raise InputError(
             f"law file {path!r} does not exist; expected a Python file or one of {', '.join(names())}"
@@ -211,11 +227,24 @@ def read_source(path: str) -> str:
         raise InputError(f"law file {path!r} cannot be read: {error}") from None
 
 
+_known: dict[str, ModuleType] = {}
+"""By its text: what a user's law declares, without its function."""
+
+
+def learn(name: str, source: str, data: object) -> None:
+    """Takes what the user's law of that text declares from data (`lawdata.as_data`). Raises `InputError`."""
+    _known[source] = from_data(name, data)
+
+
 def module_of(name: str, source: str = "") -> ModuleType:
-    """A law's module, imported but not compiled: its parameters and what it declares. `InputError` as in `load`."""
-    if is_path(name):
-        return _imported(name, source or read_source(name))[0]
-    return found.load("flocking.laws", name, "law")
+    """A law's module, imported but not compiled: its parameters and what it declares. `InputError` as in `load`.
+
+    Of a user's law that this process has been told of, only what it declares.
+    """
+    if not is_path(name):
+        return found.load("flocking.laws", name, "law")
+    source = source or read_source(name)
+    return _known[source] if source in _known else _imported(name, source)[0]
 
 
 def sets_of(module: ModuleType) -> dict[str, str]:
@@ -285,8 +314,14 @@ def _load_source(name: str, source: str) -> Law:
     return _compile(name, module, path, boundscheck=True)
 
 
-@cache
 def _imported(name: str, source: str) -> tuple[ModuleType, Path]:
+    if not users_files.are_executed():
+        raise InputError(f"law file {name!r}: this process does not execute it, and does not know what it declares")
+    return _executed(name, source)
+
+
+@cache
+def _executed(name: str, source: str) -> tuple[ModuleType, Path]:
     try:
         ast.parse(source)
     except SyntaxError as error:

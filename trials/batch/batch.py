@@ -16,7 +16,8 @@ from typing import Any, Protocol
 from flocking.errors import StorageError
 from trials import simulations
 from trials.batch import worker
-from trials.batch.crew import LAW, SLOW, STILL_S, WAITS, Crew, Ended, Stopped, Task, crew
+from trials.batch.crew import LAW, SLOW, WAITS, Crew, Ended, Stopped, Task, crew
+from trials.batch.patience import STILL_S
 from trials.batch.store import DIED, Row, Store
 from trials.batch.worker import Job, WorkerOutput
 from trials.simulations import watch

@@ -19,25 +19,20 @@ from time import monotonic
 from typing import Any, NamedTuple
 
 import numpy as np
-import psutil
 
 from flocking.errors import InputError
 from flocking.types import Ints
+from trials.batch.patience import STILL_S, Patience
 from trials.simulations import watch
 
 POLL_S = 0.25
 """Wall time between two looks at the workers."""
-STILL_S = 60.0
-"""Wall time in which a worker that waits, and uses no processor time, counts as hung."""
-LEAST_S = 0.02
-"""Processor time that counts as some: twice the unit in which the system counts it."""
 BREAKS = 3
 """How many workers in a row may die before one is ready."""
 SHORT_S = 0.5
 """Tasks shorter than this (wall time) are handed out one ahead, so that no worker waits while a result is kept."""
 SLOW, LAW, WAITS = "slow", "law", "waits"
 """For what a worker is ended: its task used up its limit; a law used up its own without progress; it waits."""
-_WAITING = (psutil.STATUS_SLEEPING, psutil.STATUS_STOPPED, psutil.STATUS_IDLE)
 _CONTEXT = multiprocessing.get_context("spawn")
 
 
@@ -75,21 +70,16 @@ class _Worker:
     process: Any
     pipe: connection.Connection
     memory: Ints
-    clock: psutil.Process
+    patience: Patience
     tasks: deque[Task] = field(default_factory=deque)
     """Handed out and not ended, oldest first: the first is at work."""
     is_ready: bool = False
     took_s: float = 0.0
     """Wall time of its last task."""
     began: float = field(default_factory=monotonic)
-    task_at_s: float = 0.0
-    """Processor time when its task began."""
     seen: tuple[int, ...] = ()
     seen_at_s: float = 0.0
-    """Processor time at the last progress of its law."""
-    moved_at_s: float = 0.0
-    moved: float = field(default_factory=monotonic)
-    """Processor time, and wall time, when it was last seen to use some."""
+    """Processor time of its task at the last progress of its law."""
     why: str = ""
     """For what it was killed."""
 
@@ -197,20 +187,14 @@ class Crew:
         """Kills a worker that has used up a limit."""
         if not worker.tasks or worker.why:
             return
-        try:
-            used, status = _processor_time(worker.clock), worker.clock.status()
-        except psutil.Error:  # it has just ended
-            return
-        state = tuple(worker.memory.tolist())
+        used, state = worker.patience.used_s(), tuple(worker.memory.tolist())
         if state != worker.seen or not watch.is_on(worker.memory):
             worker.seen, worker.seen_at_s = state, used
-        if used - worker.moved_at_s >= LEAST_S or status not in _WAITING:
-            worker.moved_at_s, worker.moved = used, monotonic()
         if used - worker.seen_at_s > self.law_limit_s:
             worker.why = LAW
-        elif worker.is_ready and used - worker.task_at_s > worker.tasks[0].limit_s:
+        elif worker.is_ready and used > worker.tasks[0].limit_s:
             worker.why = SLOW
-        elif monotonic() - worker.moved > self.still_s:
+        elif worker.patience.still_s() > self.still_s:
             worker.why = WAITS
         if worker.why:
             worker.process.kill()
@@ -239,7 +223,8 @@ def _started(prepare: Callable[..., None], args: tuple[Any, ...]) -> _Worker:
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, mask)
     theirs.close()
-    return _Worker(process, ours, np.frombuffer(shared, np.int64), psutil.Process(process.pid))
+    assert process.pid is not None
+    return _Worker(process, ours, np.frombuffer(shared, np.int64), Patience(process.pid))
 
 
 def _serve(pipe: connection.Connection, shared: Any, prepare: Callable[..., None], args: tuple[Any, ...]) -> None:
@@ -260,14 +245,5 @@ def _serve(pipe: connection.Connection, shared: Any, prepare: Callable[..., None
 
 def _begins(worker: _Worker) -> None:
     """Notes the moment at which the next task of a worker begins."""
-    worker.began = worker.moved = monotonic()
-    try:
-        worker.task_at_s = worker.moved_at_s = worker.seen_at_s = _processor_time(worker.clock)
-    except psutil.Error:  # it has just ended
-        return
-
-
-def _processor_time(process: psutil.Process) -> float:
-    """s of all threads, in user's code and in the system's."""
-    times = process.cpu_times()
-    return float(times.user + times.system)
+    worker.began, worker.seen_at_s = monotonic(), 0.0
+    worker.patience.begin()

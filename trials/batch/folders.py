@@ -103,9 +103,8 @@ def made_new(folder: Path) -> bool:
     if folder.exists() and not folder.is_dir():
         raise InputError(f"{folder} is a file: expected a folder for the run")
     with writing(folder):
-        folder.parent.mkdir(parents=True, exist_ok=True)
         try:
-            folder.mkdir()
+            folder.mkdir(parents=True)
         except FileExistsError:
             return False
     return True

@@ -14,10 +14,11 @@ from pathlib import Path
 from time import monotonic
 from typing import Any
 
+from flocking import lawdata, lawentry, users_files
 from flocking.errors import InputError
 from flocking.lawentry import is_path
 from trials import simulations
-from trials.batch import folders, machine, progress, store, worker
+from trials.batch import folders, machine, progress, runfile, store, worker
 from trials.batch.batch import Work, run_batch
 from trials.batch.store import Row, Store
 from trials.design import DEFAULT_SEED, Plan, load, plan
@@ -114,7 +115,7 @@ def start(asked: Asked, out: Path | None, jobs: int, report: Report) -> int:
     if out is not None and str(out) in ("", "."):
         raise InputError(f"--out {str(out)!r}: expected a new or empty folder for the run")
     run = {
-        "format": store.FORMAT,
+        "format": runfile.FORMAT,
         "experiment": made.experiment,
         "command": asked.command(),
         "repeats": made.repeats,
@@ -130,10 +131,11 @@ def start(asked: Asked, out: Path | None, jobs: int, report: Report) -> int:
         "scans": asked.scans,
         "started": datetime.now(UTC).isoformat(timespec="seconds"),
         **machine.made_with(),
+        "laws": declared_laws(chosen),
         "trials": [trial.as_dict() for trial in chosen],
     }
     with folders.new_folder(out, made.experiment) as folder:
-        kept = store.create(folder, run, users_files(chosen))
+        kept = store.create(folder, run, code_of(chosen))
         try:
             return _run_rest(kept, jobs, report)
         finally:
@@ -155,7 +157,7 @@ def resume(folder: Path, jobs: int, report: Report) -> int:
                     f"note: changed since this run began: {'; '.join(changed)}; results may differ in their last bits",
                     file=sys.stderr,
                 )
-            code = users_files(kept.trials)
+            code = code_of(kept.trials)
             if code:
                 laws = ", ".join(str(folder / folders.CODE / name) for name in code)
                 print(f"note: runs the user's {laws}", file=sys.stderr)
@@ -182,12 +184,13 @@ def debug(asked: Asked) -> int:
     faulthandler.register(signal.SIGINT, chain=True)
     print(f"trial {trial.index}: seed {trial.seed}, repeat {trial.repeat}, {conditions(trial)}", flush=True)
     try:
-        with tempfile.TemporaryDirectory(prefix="herd-") as kept:
+        with users_files.executed(True), tempfile.TemporaryDirectory(prefix="herd-") as kept:
             recorded = (asked.record or record_of(asked.experiment)) != "none"
             files = folders.Files(None, Path(kept) / "trial.rrd" if recorded else None)
             output = run_and_write(trial.as_dict(), asked.scans, files)
         if output.status != "done":  # run once more with its error raised, to see where
-            simulations.run_trial(trial, reraise=True)
+            with users_files.executed(True):
+                simulations.run_trial(trial, reraise=True)
     except Exception:
         traceback.print_exc()
         return 1
@@ -202,7 +205,7 @@ def conditions(trial: Trial) -> str:
     return ", ".join(f"{key}={_toml(value)}" for key, value in trial.conditions.items()) or "no conditions"
 
 
-def users_files(trials: Sequence[Trial]) -> dict[str, str]:
+def code_of(trials: Sequence[Trial]) -> dict[str, str]:
     """The texts of the users' law files that take part, under names of their own."""
     found: dict[str, str] = {}
     texts = {(group.law, group.law_source): None for trial in trials for group in trial.groups if group.law_source}
@@ -213,6 +216,13 @@ def users_files(trials: Sequence[Trial]) -> dict[str, str]:
             name, number = f"{path.stem}-{number}{path.suffix}", number + 1
         found[name] = text
     return found
+
+
+def declared_laws(trials: Sequence[Trial]) -> dict[str, Any]:
+    """What the users' laws that take part declare, by the digest of their text: reports need it, and run no law."""
+    laws = {group.law_source: group.law for trial in trials for group in trial.groups if group.law_source}
+    modules = {source: (law, lawentry.module_of(law, source)) for source, law in laws.items()}
+    return {runfile.text_digest(source): lawdata.as_data(*module) for source, module in modules.items()}
 
 
 def kinds(trials: Sequence[Trial]) -> list[Trial]:

@@ -13,7 +13,6 @@ killed.
 
 from __future__ import annotations
 
-import hashlib
 import json
 import shlex
 import shutil
@@ -26,6 +25,7 @@ from pathlib import Path
 from typing import Any
 
 from flocking.errors import InputError
+from trials.batch import runfile
 from trials.batch.folders import (
     CODE,
     RECORDINGS,
@@ -42,8 +42,6 @@ from trials.batch.folders import (
 )
 from trials.types import Trial, TrialResult
 
-FORMAT = 3
-"""Of run.json and of the tables (`PRAGMA user_version`)."""
 _COLUMNS = "idx, status, reason, seed, repeat, conditions, measures, digest"
 _TABLES = """
 CREATE TABLE trials (
@@ -114,7 +112,7 @@ class Store:
 
         if trial is None:
             return "the run has no such trial"
-        own = digest(trial)
+        own = runfile.digest(trial)
         if of != own:
             other = f"seed {seed} in place of {trial.seed}" if seed != trial.seed else "another run or other settings"
             return f"its row is that of another trial ({other})"
@@ -125,7 +123,7 @@ class Store:
             held = trial_of(path)
         except InputError as error:
             return f"its series: {error}"
-        if digest(held) != own:
+        if runfile.digest(held) != own:
             return f"its series is that of trial {held.index}, seed {held.seed}, of another run or other settings"
         return ""
 
@@ -213,17 +211,11 @@ class Store:
 
     @cached_property
     def _digests(self) -> dict[int, str]:
-        return {trial.index: digest(trial) for trial in self.trials}
+        return {trial.index: runfile.digest(trial) for trial in self.trials}
 
     def close(self) -> None:
         """Closes the tables."""
         self.connection.close()
-
-
-def digest(trial: Trial) -> str:
-    """A short text that is the same for equal trials alone."""
-    content = json.dumps(trial.as_dict(), sort_keys=True)
-    return hashlib.blake2b(content.encode(), digest_size=12).hexdigest()
 
 
 def create(folder: Path, run: Mapping[str, Any], code: Mapping[str, str]) -> Store:
@@ -261,14 +253,14 @@ def _create(folder: Path, run: Mapping[str, Any], code: Mapping[str, str]) -> St
             (folder / part).mkdir()
     with writing(folder / RESULTS), whole(folder / RESULTS) as path:
         made = sqlite3.connect(path)
-        made.executescript(f"{_TABLES} PRAGMA user_version = {FORMAT};")
+        made.executescript(f"{_TABLES} PRAGMA user_version = {runfile.FORMAT};")
         made.close()
     if code:
         with writing(folder / CODE):
             (folder / CODE).mkdir()
         for name, text in code.items():
             write_whole(folder / CODE / name, text.encode())
-    write_whole(folder / RUN, _run_text(run).encode())
+    write_whole(folder / RUN, runfile.text_of(run).encode())
     with writing(folder / RESULTS):
         return Store(folder, run, sqlite3.connect(folder / RESULTS))
 
@@ -286,7 +278,7 @@ def _is_halfmade_new(folder: Path) -> bool:
     try:
         with closing(sqlite3.connect(f"{(folder / RESULTS).absolute().as_uri()}?mode=ro", uri=True)) as connection:
             return bool(
-                connection.execute("PRAGMA user_version").fetchone()[0] == FORMAT
+                connection.execute("PRAGMA user_version").fetchone()[0] == runfile.FORMAT
                 and connection.execute("SELECT count(*) FROM trials").fetchone()[0] == 0
             )
     except sqlite3.Error:
@@ -300,7 +292,7 @@ def _remove(path: Path) -> None:
 
 def opened(folder: Path) -> Store:
     """Opens the folder of a run. Raises `InputError` if it is none, is damaged or is of another version."""
-    run = _read_run(folder)
+    run = runfile.read(folder)
     path = folder / RESULTS
     if not path.is_file():
         raise InputError(f"{folder} lacks its {RESULTS}: the run cannot be read")
@@ -308,9 +300,11 @@ def opened(folder: Path) -> Store:
         connection = sqlite3.connect(f"{path.absolute().as_uri()}?mode=rw", uri=True)
         try:
             version = connection.execute("PRAGMA user_version").fetchone()[0]
-            if version > FORMAT:
-                raise InputError(f"{path} has format {version}, of a newer version: this version reads {FORMAT}")
-            if version < FORMAT:
+            if version > runfile.FORMAT:
+                raise InputError(
+                    f"{path} has format {version}, of a newer version: this version reads {runfile.FORMAT}"
+                )
+            if version < runfile.FORMAT:
                 raise InputError(f"{path} is not the results of a run")
             found = connection.execute("PRAGMA quick_check(1)").fetchone()[0]
             if found != "ok":
@@ -320,41 +314,3 @@ def opened(folder: Path) -> Store:
             connection.close()
             raise
     return Store(folder, run, connection)
-
-
-def _read_run(folder: Path) -> dict[str, Any]:
-    path = folder / RUN
-    if not path.is_file():
-        raise InputError(f"{folder} is not the folder of a run: it has no {RUN}")
-    with reading(path):
-        data = path.read_bytes()
-    try:
-        run = json.loads(data)
-        version = run["format"]
-        if version != FORMAT:
-            raise InputError(_of_another_version(path, run, version))
-        for trial in run["trials"]:
-            Trial.from_dict(trial)
-        return {**run, "experiment": str(run["experiment"])}
-    except InputError:
-        raise
-    except (ValueError, TypeError, KeyError, AttributeError) as error:
-        raise InputError(f"{path} is damaged ({type(error).__name__}: {error}); nothing was changed") from error
-
-
-def _of_another_version(path: Path, run: Mapping[str, Any], version: object) -> str:
-    versions = run.get("versions")
-    made = str(versions.get("create-herd", "")) if isinstance(versions, Mapping) else ""
-    commit = str(run.get("commit", ""))[:12].rstrip("+")
-    who = f"create-herd {made}" if made else "another version"
-    return (
-        f"{path} has format {version!r} and this version reads {FORMAT}: report and resume it with {who}"
-        f"{f', commit {commit}' if commit else ''}"
-    )
-
-
-def _run_text(run: Mapping[str, Any]) -> str:
-    """The text of run.json: indented, with each trial on one line."""
-    head = json.dumps({name: value for name, value in run.items() if name != "trials"}, indent=2, ensure_ascii=False)
-    trials = ",\n".join(f"    {json.dumps(trial, ensure_ascii=False)}" for trial in run["trials"])
-    return f'{head[:-2]},\n  "trials": [\n{trials}\n  ]\n}}\n'

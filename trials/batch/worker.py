@@ -15,7 +15,7 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any
 
-from flocking.errors import StorageError
+from flocking.errors import StorageError, printable
 from flocking.types import Ints
 from trials import simulations
 from trials.batch.folders import NO_FILES, Files, whole
@@ -127,8 +127,9 @@ def told(error: BaseException) -> str:
 
 
 def one_line(text: str) -> str:
-    """`text` with every run of white space as one space, cut to a readable length."""
-    text = " ".join(text.split())
+    """`text` with every run of white space as one space, without what would act on a terminal, cut to a readable
+    length."""
+    text = printable(" ".join(text.split()))
     return text if len(text) <= 500 else f"{text[:497]}..."
 
 

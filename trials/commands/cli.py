@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 import sys
 from collections.abc import Callable
@@ -11,7 +12,8 @@ from typing import Annotated, Any, Literal
 import typer
 from typer import Argument, Option
 
-from flocking.errors import InputError
+from flocking import users_files
+from flocking.errors import InputError, printable
 
 app = typer.Typer(
     name="herd",
@@ -243,9 +245,13 @@ def bench(
 def main() -> int:
     """The command: 0 done, 1 a trial failed, 2 bad input (one line on stderr), 130 stopped by Ctrl-C."""
     try:
+        for stream in (sys.stdout, sys.stderr):  # what its encoding cannot show is replaced, and nothing fails
+            if isinstance(stream, io.TextIOWrapper):
+                stream.reconfigure(errors="replace")
         if len(sys.argv) == 1:
             sys.argv.append("--help")
-        code = app(standalone_mode=False)
+        with users_files.executed(False):
+            code = app(standalone_mode=False)
         if sys.stdout is not None:
             sys.stdout.flush()
         return code if isinstance(code, int) else 0
@@ -277,7 +283,7 @@ def _commands() -> list[Any]:
 
 
 def _refuse(message: str) -> int:
-    print(f"herd: {' '.join(message.split())}", file=sys.stderr)
+    print(f"herd: {printable(' '.join(message.split()))}", file=sys.stderr)
     return 2
 
 

@@ -8,6 +8,7 @@ nan for the rest, as on robots that sense no more.
 
 from __future__ import annotations
 
+import json
 import math
 import queue
 import subprocess
@@ -22,21 +23,26 @@ from typing import IO, Any, NamedTuple
 import numpy as np
 
 from flocking.errors import InputError
+from trials.batch.patience import STILL_S, Patience
 from trials.batch.running import Asked, users_laws
 
 CALL_LIMIT_S = 5.0
-"""Wall time that one call may take: some 10⁵ times what the project's laws need."""
+"""Processor time that one call may take: some 10⁵ times what the project's laws need."""
 IMPORTING, COMPILING = "importing", "compiling"
 LIMITS_S = {IMPORTING: 20.0, COMPILING: 120.0}
-"""Wall time that importing the file, or compiling the law, may take."""
-_ERROR, _STAGE = "error: ", "stage: "
+"""Processor time that importing the file, or compiling the law, may take."""
+POLL_S = 0.25
+_ERROR, _STAGE, _DECLARED = "error: ", "stage: ", "declared: "
 
 
 def check(path: str) -> None:
-    """Raises `InputError` naming the file, and the member or the situation, if the law cannot be used."""
-    from flocking.lawentry import read_source
+    """Has a law checked in a process of its own, and learns from there what it declares.
 
-    read_source(path)
+    Raises `InputError` naming the file, and the member or the situation, if the law cannot be used.
+    """
+    from flocking import lawentry
+
+    source = lawentry.read_source(path)
     process = subprocess.Popen(
         [sys.executable, "-m", "trials.commands.lawcheck", path],
         stdout=subprocess.PIPE,
@@ -44,27 +50,47 @@ def check(path: str) -> None:
         stdin=subprocess.DEVNULL,
         text=True,
     )
-    lines: queue.SimpleQueue[str | None] = queue.SimpleQueue()
-    threading.Thread(target=_listen, args=(process.stdout, lines), daemon=True).start()
-    stage, limit = IMPORTING, LIMITS_S[IMPORTING]
     try:
-        while True:
-            try:
-                line = lines.get(timeout=limit)
-            except queue.Empty:
-                raise InputError(f"law file {path!r} did not return within {limit:g} s ({stage})") from None
-            if line is None:
-                break
-            if line.startswith(_ERROR):
-                raise InputError(line.removeprefix(_ERROR))
-            if line.startswith(_STAGE):
-                stage = line.removeprefix(_STAGE)
-                limit = LIMITS_S.get(stage, CALL_LIMIT_S)
-        if process.wait(timeout=CALL_LIMIT_S) != 0:
-            raise InputError(f"law file {path!r} ended its process with code {process.returncode} ({stage})")
+        declared = json.loads(_last_word(process, path))
     finally:
         process.kill()
         process.wait()
+    if declared["source"] != source:
+        raise InputError(f"law file {path!r} was changed while it was checked; start once more")
+    lawentry.learn(path, source, declared["law"])
+
+
+def _last_word(process: subprocess.Popen[str], path: str) -> str:
+    """What the process says when it has found no fault. Raises `InputError` for a fault, or if it does not say it."""
+    lines: queue.SimpleQueue[str | None] = queue.SimpleQueue()
+    threading.Thread(target=_listen, args=(process.stdout, lines), daemon=True).start()
+    patience, stage, limit = Patience(process.pid), IMPORTING, LIMITS_S[IMPORTING]
+    last = ""
+    while True:
+        try:
+            line = lines.get(timeout=POLL_S)
+        except queue.Empty:
+            if patience.used_s() > limit:
+                late = f"did not return within {limit:g} s of processor time ({stage})"
+                raise InputError(f"law file {path!r} {late}") from None
+            if patience.still_s() > STILL_S:
+                late = f"waited for something that did not come within {STILL_S:g} s ({stage})"
+                raise InputError(f"law file {path!r} {late}") from None
+            continue
+        if line is None:
+            break
+        if line.startswith(_ERROR):
+            raise InputError(line.removeprefix(_ERROR))
+        if line.startswith(_DECLARED):
+            last = line.removeprefix(_DECLARED)
+        if line.startswith(_STAGE):
+            stage = line.removeprefix(_STAGE)
+            limit = LIMITS_S.get(stage, CALL_LIMIT_S)
+            patience.begin()
+    if not last:
+        code = process.wait()
+        raise InputError(f"law file {path!r} ended its process with code {code} ({stage})")
+    return last
 
 
 def check_all(asked: Asked) -> None:
@@ -106,15 +132,17 @@ def situations() -> dict[str, np.ndarray]:
 
 def try_out(path: str) -> None:
     """Runs in the separate process: prints each stage as it begins, and raises `InputError` at the first fault."""
-    from flocking import lawentry
+    from flocking import lawdata, lawentry
 
     source = lawentry.read_source(path)
     module = lawentry.module_of(path, source)
     values = _values(module, path)
     calls = [call for parameters in values for call in _calls(module, parameters, path)]
+    declared = lawdata.as_data(path, module)
     _try(module.law, "", calls, module, path)
     print(f"{_STAGE}{COMPILING}", flush=True)
     _try(lawentry.load(path, source).decide, "compiled, ", calls, module, path)
+    print(f"{_DECLARED}{json.dumps({'source': source, 'law': declared})}", flush=True)
 
 
 def _values(module: ModuleType, path: str) -> list[Any]:

@@ -15,7 +15,7 @@ from typing import Any
 import pytest
 
 from flocking.errors import InputError, StorageError
-from trials.batch import store
+from trials.batch import runfile, store
 from trials.batch.batch import Summary, Work, run_batch
 from trials.batch.store import Row, Store
 from trials.types import Trial
@@ -37,7 +37,7 @@ class Silent:
 
 
 def new_store(folder: Path, trials: Sequence[Trial]) -> Store:
-    run = {"format": store.FORMAT, "experiment": "fake", "trials": [trial.as_dict() for trial in trials]}
+    run = {"format": runfile.FORMAT, "experiment": "fake", "trials": [trial.as_dict() for trial in trials]}
     return store.create(folder, run, {})
 
 

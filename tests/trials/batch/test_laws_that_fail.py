@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from flocking.types import Kind
-from trials.batch import store, worker
+from trials.batch import runfile, store, worker
 from trials.batch.batch import Work, run_batch
 from trials.batch.store import Row
 from trials.commands import lawcheck
@@ -66,7 +66,7 @@ def batch(
     folder: Path, trials: Sequence[Trial], run: worker.Job = worker.run_and_write, warm: bool = True
 ) -> list[Row]:
     """The rows of a batch on one worker."""
-    made = {"format": store.FORMAT, "experiment": "test", "trials": [trial.as_dict() for trial in trials]}
+    made = {"format": runfile.FORMAT, "experiment": "test", "trials": [trial.as_dict() for trial in trials]}
     kept = store.create(folder, made, {})
     warm_up, imports = trials[-1:] if warm else [], worker.imports_of(trials)
     work = Work(run=run, imports=imports, warm_up=warm_up, law_limit_s=LIMIT_S)

@@ -16,7 +16,7 @@ from pathlib import Path
 import pytest
 
 from flocking.errors import InputError, StorageError
-from trials.batch import folders, series, store
+from trials.batch import folders, runfile, series, store
 from trials.batch.store import DIED, Row, Store
 from trials.types import Trial
 
@@ -28,7 +28,7 @@ TRIALS = [fake_trials.trial(k) for k in (1, 2, 3)]
 
 
 def new(folder: Path) -> Store:
-    run = {"format": store.FORMAT, "experiment": "fake", "seed": 1, "trials": [trial.as_dict() for trial in TRIALS]}
+    run = {"format": runfile.FORMAT, "experiment": "fake", "seed": 1, "trials": [trial.as_dict() for trial in TRIALS]}
     return store.create(folder, run, {"mine.py": "law = 1\n"})
 
 
@@ -203,14 +203,15 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 from flocking.errors import InputError
-from trials.batch import folders, store
+from trials.batch import folders, runfile, store
 folder, barrier = Path(sys.argv[1]), Path(sys.argv[2])
 print("ready", flush=True)
 while not barrier.exists():
     pass
 try:
     with folders.new_folder(folder, "fake") as new:
-        store.create(new, {"format": store.FORMAT, "experiment": "fake", "trials": []}, {"mine.py": "law = 1"}).close()
+        run = {"format": runfile.FORMAT, "experiment": "fake", "trials": []}
+        store.create(new, run, {"mine.py": "law = 1"}).close()
     print("won")
 except InputError as error:
     print(error)
@@ -283,13 +284,13 @@ def test_a_newer_version_is_told(tmp_path: Path) -> None:
     new(tmp_path / "run").close()
     path = tmp_path / "run" / "run.json"
     told = path.read_text()
-    path.write_text(told.replace(f'"format": {store.FORMAT}', f'"format": {store.FORMAT + 1}'))
-    refused(tmp_path / "run", f"has format {store.FORMAT + 1} and this version reads {store.FORMAT}")
+    path.write_text(told.replace(f'"format": {runfile.FORMAT}', f'"format": {runfile.FORMAT + 1}'))
+    refused(tmp_path / "run", f"has format {runfile.FORMAT + 1} and this version reads {runfile.FORMAT}")
     path.write_text(told)
     with sqlite3.connect(tmp_path / "run" / "results.sqlite") as connection:
-        connection.execute(f"PRAGMA user_version = {store.FORMAT + 1}")
+        connection.execute(f"PRAGMA user_version = {runfile.FORMAT + 1}")
     connection.close()
-    refused(tmp_path / "run", f"has format {store.FORMAT + 1}, of a newer version")
+    refused(tmp_path / "run", f"has format {runfile.FORMAT + 1}, of a newer version")
 
 
 def test_an_older_format_is_refused_with_the_version_that_reads_it(tmp_path: Path) -> None:

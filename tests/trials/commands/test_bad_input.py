@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from flocking.errors import InputError
-from trials.batch import folders, store
+from trials.batch import folders, runfile, store
 from trials.batch.running import ranges
 from trials.commands import cli, options
 
@@ -51,7 +51,7 @@ def refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.Capt
 def make_run(folder: Path) -> None:
     trials = [fake_trials.trial(k) for k in (1, 2)]
     run = {
-        "format": store.FORMAT,
+        "format": runfile.FORMAT,
         "experiment": "detection-case-study",
         "record": "none",
         "scans": "some",
@@ -275,6 +275,13 @@ def test_bad_words(refused, words: list[str], expected: list[str]) -> None:
                 "import math\nfrom typing import Annotated\nfrom flocking.parameters import Parameter\n",
             ),
             "law.range_m = -1.0: expected a finite number of at least 0",
+        ),
+        (LAW_HEAD + "    return Motion(Kind.STOP, 0.0, 0.0, 0)\nHERD = 3\n", "HERD = 3: expected Herd(...)"),
+        ("import os\nos._exit(0)\n", "ended its process with code 0 (importing)"),
+        ("import sys\nsys.exit(0)\n", "ended its process with code 0 (importing)"),
+        (
+            LAW_HEAD.replace("import math\n", "import math\nimport os\n") + "    os._exit(0)\n",
+            "ended its process with code 0 (member 1 with no neighbour)",
         ),
         (
             LAW_HEAD

@@ -14,6 +14,8 @@ from pathlib import Path
 
 import pytest
 
+from trials.batch import runfile
+
 SHORT = ["detection-case-study", "--repeats", "1", "--only", "1,4,7", "--set", "duration_s=1"]
 """Options: one trial of each detection, a second each."""
 
@@ -82,7 +84,7 @@ def test_a_run_leaves_all_that_is_needed_to_run_it_again(run: Path) -> None:
     assert [path.name for path in (run / "recordings").iterdir()] == ["0001.rrd"]
     assert (run / "report.html").is_file()
     with sqlite3.connect(run / "results.sqlite") as connection:
-        assert connection.execute("PRAGMA user_version").fetchone() == (2,)
+        assert connection.execute("PRAGMA user_version").fetchone() == (runfile.FORMAT,)
         assert connection.execute("PRAGMA journal_mode").fetchone() == ("delete",)
         assert connection.execute("SELECT count(*) FROM timing").fetchone() == (3,)
 
@@ -131,6 +133,33 @@ def test_a_law_that_fails_in_the_herd_fails_its_trial_and_the_batch_goes_on(tmp_
     assert "Traceback (most recent call last)" in again.stderr
     assert "LawError" in again.stderr
     assert "Traceback" not in done.stderr
+
+
+def test_only_workers_execute_a_users_law(tmp_path: Path) -> None:
+    """The law notes who executes it: the check and workers, never the command nor its report; resume names it."""
+    noted = tmp_path / "noted"
+    (tmp_path / "mine.py").write_text(
+        "import multiprocessing\nimport sys\n"
+        "who = 'worker' if multiprocessing.parent_process() else sys.argv[0]\n"
+        f"with open({str(noted)!r}, 'a') as file:\n    print(who, file=file)\n"
+        + LAW.replace("math.nan if own.id == 2 else 0.1", "0.1")
+    )
+    done = herd("run", *SHORT, "--law", "mine.py", "--record", "none", "--only", "1", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    folder = tmp_path / "runs/detection-case-study/001"
+    executed = set(noted.read_text().split("\n")[:-1])
+    assert "worker" in executed
+    assert all(who.endswith("lawcheck.py") for who in executed - {"worker"})
+    noted.unlink()
+    assert herd("report", str(folder), cwd=tmp_path).returncode == 0
+    assert not noted.exists()
+    with sqlite3.connect(folder / "results.sqlite") as connection:
+        connection.execute("DELETE FROM trials")
+    connection.close()
+    again = herd("resume", str(folder), cwd=tmp_path)
+    assert again.returncode == 0, again.stderr
+    assert f"note: runs the user's {folder / 'code' / 'mine.py'}" in again.stderr
+    assert set(noted.read_text().split("\n")[:-1]) == {"worker"}
 
 
 def test_ctrl_c_keeps_what_has_ended_and_says_how_to_go_on(tmp_path: Path) -> None:

@@ -20,7 +20,7 @@ from synthetic import synthetic_result
 
 from flocking.errors import InputError
 from trials import design
-from trials.batch import series, store
+from trials.batch import runfile, series, store
 from trials.batch.store import Row, Store
 from trials.evidence.claims import published
 from trials.evidence.runs import UndecidedError
@@ -42,7 +42,7 @@ def _law(pipeline: str, exclusion: float) -> dict[str, float]:
 def _kept(run: MadeUpRun, folder: Path, experiment: str, with_series: int = 0, missing: int = 0) -> Store:
     """A run's folder on disk; the first trials with series, the last ones not run."""
     trials = [trial.as_dict() for trial in run.trials]
-    kept = store.create(folder, {"format": store.FORMAT, "experiment": experiment, "trials": trials}, {})
+    kept = store.create(folder, {"format": runfile.FORMAT, "experiment": experiment, "trials": trials}, {})
     ended = run.finished[: len(run.finished) - missing]
     for trial, row in zip(run.trials, ended, strict=False):
         data = None

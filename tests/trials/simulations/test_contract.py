@@ -19,7 +19,7 @@ import trials.simulations
 import trials.studies
 from flocking.errors import InputError
 from trials import design, keys, simulations
-from trials.batch import series, store, worker
+from trials.batch import runfile, series, store, worker
 from trials.commands import cli
 from trials.reports.report import report
 from trials.types import Trial, with_setup
@@ -146,7 +146,7 @@ class TestOneFromOutside:
 
     def test_its_trials_run_are_kept_and_reported(self, tmp_path: Path) -> None:
         plan = design.plan("toy-walk")
-        run = {"format": store.FORMAT, "experiment": "toy-walk", "trials": [trial.as_dict() for trial in plan.trials]}
+        run = {"format": runfile.FORMAT, "experiment": "toy-walk", "trials": [trial.as_dict() for trial in plan.trials]}
         kept = store.create(tmp_path / "run", run, {})
         for trial in plan.trials:
             simulations.check(trial)

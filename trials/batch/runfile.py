@@ -1,0 +1,130 @@
+"""run.json: what was asked for and with what it ran. It may come from anywhere: everything in it is checked."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from flocking.errors import InputError, has_controls
+from trials.batch.folders import RUN, reading
+from trials.types import Group, Trial
+
+FORMAT = 3
+"""Of run.json and of the tables (`PRAGMA user_version`)."""
+
+
+def text_digest(text: str) -> str:
+    """A short text that is the same for equal texts alone."""
+    return hashlib.blake2b(text.encode(), digest_size=12).hexdigest()
+
+
+def digest(trial: Trial) -> str:
+    """A short text that is the same for equal trials alone."""
+    content = json.dumps(trial.as_dict(), sort_keys=True)
+    return text_digest(content)
+
+
+def read(folder: Path) -> dict[str, Any]:
+    """The content of a run's run.json, checked. Raises `InputError` for a folder without one, or a damaged one."""
+    path = folder / RUN
+    if not path.is_file():
+        raise InputError(f"{folder} is not the folder of a run: it has no {RUN}")
+    with reading(path):
+        data = path.read_bytes()
+    try:
+        run = json.loads(data)
+        version = run["format"]
+        if version != FORMAT:
+            raise InputError(_of_another_version(path, run, version))
+        _check_text({name: value for name, value in run.items() if name != "trials"})
+        for name, kind in _OF_RUN.items():
+            if not isinstance(run.get(name), (kind, type(None))):
+                raise TypeError(f"{name} = {run[name]!r}: expected {kind.__name__}")
+        for trial in run["trials"]:
+            _check_types(Trial.from_dict(trial))
+            _check_text({**trial, "groups": [{**group, "law_source": ""} for group in trial["groups"]]})
+        _learn(run)
+        return {**run, "experiment": str(run["experiment"])}
+    except InputError:
+        raise
+    except (ValueError, TypeError, KeyError, AttributeError, RecursionError, MemoryError) as error:
+        raise InputError(f"{path} is damaged ({type(error).__name__}: {error}); nothing was changed") from error
+
+
+def _learn(run: Mapping[str, Any]) -> None:
+    """Takes in what the users' laws of a run declare."""
+    laws = {group["law_source"]: group["law"] for trial in run["trials"] for group in trial["groups"]}
+    for source, name in laws.items():
+        if source:
+            from flocking.lawentry import learn
+
+            learn(name, source, run["laws"][text_digest(source)])
+
+
+def _check_text(value: Any) -> None:
+    """Raises `ValueError` for text that would act on a terminal when it is printed."""
+    if isinstance(value, str):
+        if has_controls(value):
+            raise ValueError(f"text with control characters, {value[:40]!r}")
+    elif isinstance(value, Mapping):
+        for key, each in value.items():
+            _check_text(key)
+            _check_text(each)
+    elif isinstance(value, list):
+        for each in value:
+            _check_text(each)
+
+
+_WHOLE, _TEXT, _TABLE = int, str, Mapping
+_TYPES: dict[type, dict[str, type]] = {
+    Trial: {
+        "experiment": _TEXT, "repeat": _WHOLE, "simulation": _TEXT, "world": _TEXT, "formation": _TEXT, "index": _WHOLE,
+        "seed": _WHOLE, "world_parameters": _TABLE, "formation_parameters": _TABLE, "setup": _TABLE,
+        "conditions": _TABLE,
+    },
+    Group: {
+        "law": _TEXT, "count": _WHOLE, "pipeline": _TEXT, "name": _TEXT, "selection": _TEXT, "law_source": _TEXT,
+        "law_parameters": _TABLE, "pipeline_parameters": _TABLE, "spread": _TABLE, "setup": _TABLE,
+    },
+}  # fmt: skip
+
+
+_OF_RUN: dict[str, type] = {
+    "experiment": _TEXT, "command": _TEXT, "repeats": _WHOLE, "seed": _WHOLE, "settings": _TABLE, "sweep": _TABLE,
+    "record": _TEXT, "scans": _TEXT, "started": _TEXT, "versions": _TABLE, "commit": _TEXT, "sources": _TEXT,
+    "cpu": _TEXT, "system": _TEXT, "laws": _TABLE, "trials": list,
+}  # fmt: skip
+
+
+def _check_types(trial: Trial) -> None:
+    """Raises `TypeError` for a value of a type that no trial has."""
+    for kept in (trial, *trial.groups):
+        for name, kind in _TYPES[type(kept)].items():
+            value = getattr(kept, name)
+            if not isinstance(value, kind) or (kind is int and isinstance(value, bool)):
+                raise TypeError(f"{name} = {value!r}: expected {kind.__name__}")
+            if isinstance(value, Mapping):
+                for key, each in value.items():
+                    if not isinstance(each, bool | int | float | str):
+                        raise TypeError(f"{key} = {each!r}: expected a number, text, true or false")
+
+
+def _of_another_version(path: Path, run: Mapping[str, Any], version: object) -> str:
+    versions = run.get("versions")
+    made = str(versions.get("create-herd", "")) if isinstance(versions, Mapping) else ""
+    commit = str(run.get("commit", ""))[:12].rstrip("+")
+    who = f"create-herd {made}" if made else "another version"
+    return (
+        f"{path} has format {version!r} and this version reads {FORMAT}: report and resume it with {who}"
+        f"{f', commit {commit}' if commit else ''}"
+    )
+
+
+def text_of(run: Mapping[str, Any]) -> str:
+    """The text of run.json: indented, with each trial on one line."""
+    head = json.dumps({name: value for name, value in run.items() if name != "trials"}, indent=2, ensure_ascii=False)
+    trials = ",\n".join(f"    {json.dumps(trial, ensure_ascii=False)}" for trial in run["trials"])
+    return f'{head[:-2]},\n  "trials": [\n{trials}\n  ]\n}}\n'
