@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flocking.types import Bools, Floats, Ints
+from trials.spool import Rows
 
 Value = bool | int | float | str
 
@@ -154,9 +155,9 @@ class Scans:
     """(S, 3) pose of the robot at the scan's time."""
     angles: Floats
     """(B,)."""
-    ranges: NDArray[np.float32]
+    ranges: NDArray[np.float32] | Rows
     """(S, B) with the codes of `sensing.types.Scan`."""
-    intensities: NDArray[np.float32]
+    intensities: NDArray[np.float32] | Rows
     """(S, B); nan where none."""
 
 

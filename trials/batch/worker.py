@@ -99,7 +99,8 @@ def run_and_write(trial: dict[str, Any], scans: str, files: Files) -> WorkerOutp
     """
     from trials.batch import series
 
-    result = simulations.run_trial(Trial.from_dict(trial), scans=scans if files.recording else "none")
+    folder = files.recording.parent if files.recording is not None else None
+    result = simulations.run_trial(Trial.from_dict(trial), scans=scans if folder else "none", folder=folder)
     ran = perf_counter()
     if files.series is not None:
         with whole(files.series) as path:

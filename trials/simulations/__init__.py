@@ -47,17 +47,18 @@ def settled(trial: Trial) -> Trial:
     return of(trial).settled(trial)
 
 
-def run_trial(trial: Trial, scans: str = "none", reraise: bool = False) -> TrialResult:
+def run_trial(trial: Trial, scans: str = "none", reraise: bool = False, folder: Path | None = None) -> TrialResult:
     """Runs one trial and measures it; the same `Trial` gives the same result.
 
     `scans`: which scans to keep for a recording: `none`, `some` (2 Hz) or `all`. They do not change the result. An
     error makes the trial a failed one, with its reason and what was measured until then; with `reraise` the error is
-    raised instead. Raises `InputError` for a trial that cannot be set up.
+    raised instead. `folder`: where scans are kept until they are recorded, by default where the system keeps temporary
+    files. Raises `InputError` for a trial that cannot be set up.
     """
     own = of(trial)
     check_groups(trial, own.keys_of)
     check_given(trial, own.keys_of)
-    return own.run_trial(trial, scans, reraise)
+    return own.run_trial(trial, scans, reraise, folder)
 
 
 def record(result: TrialResult, path: Path) -> None:

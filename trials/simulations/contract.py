@@ -28,8 +28,9 @@ class Simulation:
     """Refuses, before anything is run, a trial whose names and numbers do not fit one another."""
     settled: Callable[[Trial], Trial]
     """The trial with the values that its names stand for written into it, so that its run's folder records them."""
-    run_trial: Callable[[Trial, str, bool], TrialResult]
-    """(trial; scans to keep: none, some or all; whether to raise errors) → what was measured."""
+    run_trial: Callable[[Trial, str, bool, Path | None], TrialResult]
+    """(trial; scans to keep: none, some or all; whether to raise errors; folder for what is too large for the memory,
+    None for the system's) → what was measured."""
     record: Callable[[TrialResult, Path], None]
     """Writes the recording of a finished trial, with its layout in the viewer."""
     measures: Mapping[str, Measure]

@@ -69,7 +69,7 @@ def check(trial):
             raise InputError(f"{group.name}.pace_m = {of_group(group).pace_m:g}: expected at most 9")
 
 
-def run_trial(trial, scans, reraise):
+def run_trial(trial, scans, reraise, folder):
     steps = of_trial(trial).steps
     paces = np.concatenate([np.full(group.count, of_group(group).pace_m) for group in trial.groups])
     poses_w = np.zeros((steps + 1, len(paces), 3))

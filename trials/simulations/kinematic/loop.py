@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from pathlib import Path
 from time import perf_counter
 
 import numpy as np
@@ -17,7 +18,7 @@ from trials.streams import Purpose, stream
 from trials.types import Trial, TrialResult, no_contacts, no_updates
 
 
-def run_trial(trial: Trial, scans: str = "none", reraise: bool = False) -> TrialResult:
+def run_trial(trial: Trial, scans: str = "none", reraise: bool = False, folder: Path | None = None) -> TrialResult:
     """Runs one trial and measures it; the same `Trial` gives the same result.
 
     A law that gives what it must not ends the trial: `outcome` is then `failed`, `reason` says why, and only the start

@@ -3,18 +3,38 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
+from pathlib import Path
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from flocking.types import Bools, Floats, Motion
+from flocking.types import Bools, Floats, Ints, Motion
 from sensing.types import Detection, Scan
+from trials.spool import Rows
 from trials.types import Contacts, Scans, Trial, TrialResult, Updates
 
 SAMPLE_S = 0.1
 """Time between samples of the true poses."""
 SCANS_EVERY_S = 0.5
 """Time between the scans of one robot that a recording keeps by default (2 Hz)."""
+PACKED_AT = 4096
+"""Updates that wait as rows: then arrays are made of them, which take a fifth of the memory."""
+
+
+class Block(NamedTuple):
+    """Some updates as arrays."""
+
+    table: Floats
+    """(U, 14) time, robot, kind, rule, motion (2), pose (3), command (2), beams lit, missed and made up."""
+    counts: Ints
+    """(U,) inputs."""
+    positions: NDArray[np.float32]
+    """(K, 2) of the inputs."""
+    owners: NDArray[np.int16]
+    """(K,)."""
+    states: NDArray[np.int8]
+    """(U, N)."""
 
 
 @dataclass
@@ -33,7 +53,13 @@ class Log:
     inputs: list[Floats] = field(default_factory=list)
     owners: list[Any] = field(default_factory=list)
     states: list[Any] = field(default_factory=list)
-    scans: list[tuple[float, int, Floats, Scan]] = field(default_factory=list)
+    blocks: list[Block] = field(default_factory=list)
+    scans: list[tuple[float, int, Floats]] = field(default_factory=list)
+    folder: Path | None = None
+    """Where the numbers of scans are kept; None: where the system keeps temporary files."""
+    _angles: Floats | None = None
+    _ranges: Rows | None = None
+    _intensities: Rows | None = None
     _next_scan: dict[int, float] = field(default_factory=dict)
 
     def sample(self, time: float, poses_w: Floats, odometry: Floats, bumpers: Bools) -> None:
@@ -73,10 +99,21 @@ class Log:
         self.inputs.append(detection.members.positions)
         self.owners.append(owners)
         self.states.append(states)
+        if len(self.updates) == PACKED_AT:
+            self._pack()
 
     def scan(self, time: float, robot: int, pose_w: Floats, scan: Scan) -> None:
-        """Keeps a scan for the recording."""
-        self.scans.append((time, robot, pose_w.copy(), scan))
+        """Keeps a scan for the recording. Raises `StorageError` if the disk does not take it."""
+        if self._ranges is None or self._intensities is None:
+            width = len(scan.angles)
+            self._angles, self._ranges, self._intensities = (
+                scan.angles,
+                Rows(width, self.folder),
+                Rows(width, self.folder),
+            )
+        self.scans.append((time, robot, pose_w.copy()))
+        self._ranges.append(scan.ranges)
+        self._intensities.append(scan.intensities)
 
     def wants_scan(self, robot: int, time: float) -> bool:
         """Whether the recording keeps this robot's next scan."""
@@ -120,9 +157,24 @@ class Log:
             timing=timing,
         )
 
+    def _pack(self) -> None:
+        """Makes a block of the updates that wait."""
+        self.blocks.append(
+            Block(
+                np.array(self.updates, dtype=np.float64).reshape(-1, 14),
+                np.array([len(rows) for rows in self.inputs], dtype=np.int64),
+                np.concatenate([np.empty((0, 2)), *self.inputs]).astype(np.float32),
+                np.concatenate([np.empty(0), *self.owners]).astype(np.int16),
+                np.array(self.states, dtype=np.int8).reshape(-1, self.robots),
+            )
+        )
+        for rows in (self.updates, self.inputs, self.owners, self.states):
+            rows.clear()
+
     def _updates(self) -> Updates:
-        table = np.array(self.updates, dtype=np.float64).reshape(-1, 14)
-        counts = [len(rows) for rows in self.inputs]
+        self._pack()
+        table, counts, positions, owners, states = (np.concatenate(parts) for parts in zip(*self.blocks, strict=True))
+        self.blocks.clear()
         starts = np.zeros(len(counts) + 1, dtype=np.int64)
         np.cumsum(counts, out=starts[1:])
         whole = table[:, [1, 2, 3, 11, 12, 13]].astype(np.int64)
@@ -135,24 +187,24 @@ class Log:
             poses_w=table[:, 6:9].copy(),
             commands=table[:, 9:11].copy(),
             input_starts=starts,
-            input_positions=np.concatenate([np.empty((0, 2)), *self.inputs]).astype(np.float32),
-            input_owners=np.concatenate([np.empty(0), *self.owners]).astype(np.int16),
-            member_states=np.array(self.states, dtype=np.int8).reshape(-1, self.robots),
+            input_positions=positions,
+            input_owners=owners,
+            member_states=states,
             beams_lit=whole[:, 3].copy(),
             beams_missed=whole[:, 4].copy(),
             beams_made_up=whole[:, 5].copy(),
         )
 
     def _scans(self) -> Scans | None:
-        if self.keep_scans == "none" or not self.scans:
+        if self._angles is None or self._ranges is None or self._intensities is None:
             return None
         return Scans(
             times=np.array([row[0] for row in self.scans]),
             robots=np.array([row[1] for row in self.scans], dtype=np.int64),
             poses_w=np.array([row[2] for row in self.scans]),
-            angles=self.scans[0][3].angles,
-            ranges=np.array([row[3].ranges for row in self.scans], dtype=np.float32),
-            intensities=np.array([row[3].intensities for row in self.scans], dtype=np.float32),
+            angles=self._angles,
+            ranges=self._ranges,
+            intensities=self._intensities,
         )
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import heapq
+from pathlib import Path
 from time import perf_counter
 
 import numpy as np
@@ -26,10 +27,11 @@ class TrialError(RuntimeError):
     """A trial cannot go on; the message says why in one line."""
 
 
-def run_trial(trial: Trial, scans: str = "none", reraise: bool = False) -> TrialResult:
+def run_trial(trial: Trial, scans: str = "none", reraise: bool = False, folder: Path | None = None) -> TrialResult:
     """Runs one trial and measures it; the same `Trial` gives the same result.
 
-    `scans`: which scans to keep for a recording: `none`, `some` (2 Hz) or `all`. They do not change the result.
+    `scans`: which scans to keep for a recording: `none`, `some` (2 Hz) or `all`. They do not change the result;
+    until they are recorded they are kept in a file without a name in `folder`, or where temporary files are.
     Any error ends the trial, such as a simulation in MuJoCo that diverges or a law that returns nan: `outcome` is then
     `failed`, `reason` says why, and what was measured until then is kept; with `reraise` the error is raised instead.
     Raises `InputError` for a trial that cannot be set up.
@@ -41,7 +43,7 @@ def run_trial(trial: Trial, scans: str = "none", reraise: bool = False) -> Trial
     started = perf_counter()
     given = of_trial(trial)
     herd = assemble(trial, record=scans != "none")
-    log = Log(trial, len(herd.robots), scans)
+    log = Log(trial, len(herd.robots), scans, folder=folder)
     built = perf_counter()
     outcome, reason = "done", ""
     try:

@@ -10,7 +10,7 @@ from flocking.types import Bools, Floats, Ints, Kind
 from trials.simulations.columns import in_world, member_colours, nanoseconds, packed, series, spans, times_column
 from trials.simulations.robots import screen
 from trials.simulations.robots.measures import nearest_inputs
-from trials.types import TrialResult, Updates
+from trials.types import Scans, TrialResult, Updates
 
 FALSE_COLOUR = 0xFF3B30FF
 NO_INTENSITY_COLOUR = 0x8A8F98FF
@@ -23,6 +23,8 @@ INTENSITY_LEVELS = 32
 DENSE_INPUTS = 10
 """Where a law was given more inputs an update than this on average, and only some scans are kept, only the
 inputs at the kept scans are recorded: they are points of those scans, and the file stays small."""
+SCANS_AT_ONCE = 500
+"""Scans that are made points of at once, so that memory does not grow with the trial's length."""
 SPARSE_INPUTS = 32
 """At most so many of these inputs an update are recorded, evenly picked: more would overlap on the screen."""
 
@@ -127,19 +129,25 @@ def send_scans(recording: rr.RecordingStream, result: TrialResult) -> None:
         return
     directions = np.stack([np.cos(scans.angles), np.sin(scans.angles)]).astype(np.float32)
     for k, name in enumerate(result.robot_names):
-        mine = scans.robots == k
-        if not mine.any():
-            continue
-        ranges, poses = scans.ranges[mine], scans.poses_w[mine]
-        hit = np.isfinite(ranges)
-        levels = intensity_levels(scans.intensities[mine])
-        order = np.argsort(levels, axis=1, kind="stable")  # equal colours side by side compress to almost nothing
-        hit, levels = np.take_along_axis(hit, order, 1), np.take_along_axis(levels, order, 1)
-        points = np.take_along_axis(scan_points(ranges, poses, directions), order[..., None], 1)[hit]
+        mine = np.flatnonzero(scans.robots == k)
         entity = f"world/scans/{name}"
-        recording.log(entity, rr.Points2D.from_fields(radii=[0.012], draw_order=8.0), static=True)
-        columns = rr.Points2D.columns(positions=points, colors=INTENSITY_PALETTE[levels[hit]])
-        recording.send_columns(entity, [times_column(scans.times[mine])], columns.partition(hit.sum(axis=1)))
+        if len(mine):
+            recording.log(entity, rr.Points2D.from_fields(radii=[0.012], draw_order=8.0), static=True)
+        for first in range(0, len(mine), SCANS_AT_ONCE):
+            _some_scans(recording, entity, scans, mine[first : first + SCANS_AT_ONCE], directions)
+
+
+def _some_scans(
+    recording: rr.RecordingStream, entity: str, scans: Scans, some: Ints, directions: NDArray[np.float32]
+) -> None:
+    ranges, poses = scans.ranges[some], scans.poses_w[some]
+    hit = np.isfinite(ranges)
+    levels = intensity_levels(scans.intensities[some])
+    order = np.argsort(levels, axis=1, kind="stable")  # equal colours side by side compress to almost nothing
+    hit, levels = np.take_along_axis(hit, order, 1), np.take_along_axis(levels, order, 1)
+    points = np.take_along_axis(scan_points(ranges, poses, directions), order[..., None], 1)[hit]
+    columns = rr.Points2D.columns(positions=points, colors=INTENSITY_PALETTE[levels[hit]])
+    recording.send_columns(entity, [times_column(scans.times[some])], columns.partition(hit.sum(axis=1)))
 
 
 def scan_points(ranges: NDArray[np.float32], poses_w: Floats, directions: NDArray[np.float32]) -> NDArray[np.float32]:

@@ -24,11 +24,11 @@ CONSTANTS = (
 )
 
 
-def run_trial(trial: Trial, scans: str, reraise: bool) -> TrialResult:
+def run_trial(trial: Trial, scans: str, reraise: bool, folder: Path | None) -> TrialResult:
     """See `trials.simulations.run_trial`."""
     from trials.simulations.robots import loop
 
-    return loop.run_trial(trial, scans, reraise)
+    return loop.run_trial(trial, scans, reraise, folder)
 
 
 def record(result: TrialResult, path: Path) -> None:
