@@ -28,6 +28,10 @@ STAGES = {
 }
 METHODS = {"M": "mathematical", "S": "simulation", "P": "physical"}
 NONE = "-"
+REMARKS = {"NO_ROW": "no row there", "REMARK": "remark"}
+"""What a law's file may say of its rows, and what it is called here."""
+OURS = " *"
+"""Behind the names of laws whose rows are ours."""
 LEGEND = (
     "open: what the authors left undefined, by stage (S sensing, D member detection, N neighbour selection, "
     "M motion computation, P physical motion); !: misprints of the document. How each is filled: below."
@@ -72,12 +76,18 @@ def tables(names: Sequence[str] = ()) -> list[Table]:
         Table(
             "Table 3.2: what a law requires of its members",
             ("law", "group", "mobility", "time", "avoids", "id", "position", "velocity", "orientation", "open"),
-            [(name, *_taxonomy(getattr(law, "TAXONOMY", None)), _open(law)) for name, law in laws.items()],
+            [
+                (_marked(name, law), *_taxonomy(getattr(law, "TAXONOMY", None)), _open(law))
+                for name, law in laws.items()
+            ],
         ),
         Table(
             "Table 3.4: how a law was validated by its authors",
             ("law", "method", "synchronous", "position", "velocity", "orientation", "environment", "open"),
-            [(name, *_validation(getattr(law, "VALIDATION", None)), _open(law)) for name, law in laws.items()],
+            [
+                (_marked(name, law), *_validation(getattr(law, "VALIDATION", None)), _open(law))
+                for name, law in laws.items()
+            ],
         ),
         Table(
             "Completeness and precision: what was left open or misprinted, and how it is filled here",
@@ -94,6 +104,19 @@ def tables(names: Sequence[str] = ()) -> list[Table]:
 def filled_in(law: ModuleType) -> tuple[Filled, ...]:
     """What a law's file fills in of what its publication left open or misprinted."""
     return tuple(getattr(law, "FILLED", ()))
+
+
+def remarks(names: Sequence[str] = ()) -> str:
+    """Why the rows of some laws are ours, and what else their files say of their rows; a line each."""
+    laws = {name: lawentry.module_of(name) for name in names or lawentry.names()}
+    ours = [f"  {name}: {law.NO_ROW}" for name, law in laws.items() if hasattr(law, "NO_ROW")]
+    others = [f"  {name}: {law.REMARK}" for name, law in laws.items() if hasattr(law, "REMARK")]
+    parts = [f"{OURS.strip()}: the document's tables have no such row; it is ours", *ours] if ours else []
+    return "\n".join([*parts, *(["remarks", *others] if others else [])])
+
+
+def _marked(name: str, law: ModuleType) -> str:
+    return name + OURS if hasattr(law, "NO_ROW") else name
 
 
 def one_law(name: str) -> str:
@@ -141,6 +164,7 @@ def one_law(name: str) -> str:
             (
                 "kinematic herd",
                 f"{herd.spacing_m:g} m a member, {herd.speed_m_s:g} m/s, {herd.dt_s:g} s a step, {herd.space}"
+                + f", updated {herd.updating}"
                 + (f", {herd.leaders} of role 1" if herd.leaders else ""),
             )
         )
@@ -148,11 +172,13 @@ def one_law(name: str) -> str:
     if taxonomy is not None:
         facts += zip(("group", "mobility", "time", "avoids"), _taxonomy(taxonomy)[:4], strict=True)
         required = [field for field in taxonomy._fields[4:] if getattr(taxonomy, field)]
-        facts.append(("requires (table 3.2)", ", ".join(required) or NONE))
+        facts.append((f"requires ({_table(law, '3.2')})", ", ".join(required) or NONE))
     if validation is not None:
-        facts.append(("validated (table 3.4)", ", ".join(METHODS.get(letter, NONE) for letter in validation.method)))
+        methods = ", ".join(METHODS.get(letter, NONE) for letter in validation.method)
+        facts.append((f"validated ({_table(law, '3.4')})", methods))
         facts.append(("synchronous", "yes" if validation.synchronous else "no"))
         facts += [(field, getattr(validation, field)) for field in validation._fields[2:]]
+    facts += [(words, getattr(law, name)) for name, words in REMARKS.items() if hasattr(law, name)]
     parts.append(plain(Table("", ("", ""), facts)).strip("\n"))
     if filled_in(law):
         lines = [
@@ -186,7 +212,8 @@ def paragraphs(table: Table, width: int) -> str:
 def printed(shown: Sequence[Table], told: Table | None = None) -> str:
     """Tables for standard output, drawn on a terminal and plain elsewhere; `told` follows in paragraphs."""
     if sys.stdout is None or not sys.stdout.isatty():
-        return "\n\n".join([*map(plain, shown), LEGEND, *([paragraphs(told, PLAIN_WIDTH)] if told else [])])
+        legends = [text for text in (LEGEND, remarks()) if text]
+        return "\n\n".join([*map(plain, shown), *legends, *([paragraphs(told, PLAIN_WIDTH)] if told else [])])
     from rich import box
     from rich.console import Console
     from rich.table import Table as Drawn
@@ -203,10 +230,15 @@ def printed(shown: Sequence[Table], told: Table | None = None) -> str:
             for row in table.rows:
                 drawn.add_row(*(Text(SHORT.get(cell, cell) if narrow else cell) for cell in row))
             console.print(drawn)
-        console.print(Text(LEGEND))
+        console.print(Text(f"{LEGEND}\n\n{remarks()}"))
         if told:
             console.print(Text(f"\n{paragraphs(told, console.width)}"))
     return capture.get().rstrip("\n")
+
+
+def _table(law: ModuleType, number: str) -> str:
+    """Whose row it is."""
+    return f"ours, not in table {number}" if hasattr(law, "NO_ROW") else f"table {number}"
 
 
 def _taxonomy(row: Taxonomy | None) -> tuple[str, ...]:

@@ -22,7 +22,8 @@ def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, *wo
 
 def test_both_tables_hold_every_law_as_its_file_has_it() -> None:
     required, validated, _ = lawtables.tables()
-    assert [row[0] for row in required.rows] == [row[0] for row in validated.rows] == LAWS
+    assert [row[0] for row in required.rows] == [row[0] for row in validated.rows]
+    assert [row[0].removesuffix(lawtables.OURS) for row in required.rows] == LAWS
     for name, one, other in zip(LAWS, required.rows, validated.rows, strict=True):
         law = lawentry.module_of(name)
         assert one[1:5] == tuple(law.TAXONOMY[:4])
@@ -33,14 +34,29 @@ def test_both_tables_hold_every_law_as_its_file_has_it() -> None:
 def test_what_was_left_open_is_marked_by_stage_and_told() -> None:
     required, _, filled = lawtables.tables()
     for row in required.rows:
-        told = [line for line in filled.rows if line[0] == row[0]]
-        law = lawentry.module_of(row[0])
+        name = row[0].removesuffix(lawtables.OURS)
+        told = [line for line in filled.rows if line[0] == name]
+        law = lawentry.module_of(name)
         assert len(told) == len(law.FILLED)
         for entry in law.FILLED:
             assert entry.stage in lawtables.STAGES
             assert ("!" if entry.misprint else lawtables.STAGES[entry.stage]) in row[-1]
             assert any(entry.reading == line[3] and entry.left_open in line[2] for line in told)
         assert bool(row[-1]) == bool(told)
+
+
+def test_rows_of_ours_are_marked_and_what_the_files_remark_is_printed(capsys, monkeypatch) -> None:
+    printed = run(capsys, monkeypatch, "laws")
+    for name in LAWS:
+        law = lawentry.module_of(name)
+        ours = getattr(law, "NO_ROW", "")
+        marked = [line for line in printed.splitlines() if line.startswith(f"{name} {lawtables.OURS.strip()} ")]
+        assert len(marked) == (2 if ours else 0), name
+        for said in (ours, getattr(law, "REMARK", "")):
+            if said:
+                assert f"  {name}: {said}" in printed
+                assert said in lawtables.one_law(name)
+        assert ("not in table 3.2" in lawtables.one_law(name)) == bool(ours)
 
 
 @pytest.mark.parametrize("name", LAWS)
@@ -76,7 +92,9 @@ def test_a_terminal_is_drawn_a_table_a_line_a_law(width: int, word: str, monkeyp
     assert "─" in drawn
     assert "─" not in plain
     assert "homogeneous" in plain
-    lines = drawn.splitlines()
+    head = lawtables.remarks().partition(":")[0]
+    lines = drawn.partition(head)[0].splitlines()
+    assert len(lines) < len(drawn.splitlines())
     assert any(word in line for line in lines)
     for name in LAWS:
         assert sum(f" {name} " in f" {line} " for line in lines) == 2
