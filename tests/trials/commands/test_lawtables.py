@@ -92,7 +92,7 @@ def test_a_terminal_is_drawn_a_table_a_line_a_law(width: int, word: str, monkeyp
     assert "─" in drawn
     assert "─" not in plain
     assert "homogeneous" in plain
-    head = lawtables.remarks().partition(":")[0]
+    head = lawtables.remarks().splitlines()[0]
     lines = drawn.partition(head)[0].splitlines()
     assert len(lines) < len(drawn.splitlines())
     assert any(word in line for line in lines)
