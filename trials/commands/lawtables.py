@@ -30,8 +30,8 @@ METHODS = {"M": "mathematical", "S": "simulation", "P": "physical"}
 NONE = "-"
 REMARKS = {"NO_ROW": "no row there", "REMARK": "remark"}
 """What a law's file may say of its rows, and what it is called here."""
-OURS = " *"
-"""Behind the names of laws whose rows are ours."""
+OURS = "*"
+"""In the last column: the row is ours."""
 LEGEND = (
     "open: what the authors left undefined, by stage (S sensing, D member detection, N neighbour selection, "
     "M motion computation, P physical motion); !: misprints of the document. How each is filled: below."
@@ -76,18 +76,12 @@ def tables(names: Sequence[str] = ()) -> list[Table]:
         Table(
             "Table 3.2: what a law requires of its members",
             ("law", "group", "mobility", "time", "avoids", "id", "position", "velocity", "orientation", "open"),
-            [
-                (_marked(name, law), *_taxonomy(getattr(law, "TAXONOMY", None)), _open(law))
-                for name, law in laws.items()
-            ],
+            [(name, *_taxonomy(getattr(law, "TAXONOMY", None)), _open(law)) for name, law in laws.items()],
         ),
         Table(
             "Table 3.4: how a law was validated by its authors",
             ("law", "method", "synchronous", "position", "velocity", "orientation", "environment", "open"),
-            [
-                (_marked(name, law), *_validation(getattr(law, "VALIDATION", None)), _open(law))
-                for name, law in laws.items()
-            ],
+            [(name, *_validation(getattr(law, "VALIDATION", None)), _open(law)) for name, law in laws.items()],
         ),
         Table(
             "Completeness and precision: what was left open or misprinted, and how it is filled here",
@@ -111,12 +105,8 @@ def remarks(names: Sequence[str] = ()) -> str:
     laws = {name: lawentry.module_of(name) for name in names or lawentry.names()}
     ours = [f"  {name}: {law.NO_ROW}" for name, law in laws.items() if hasattr(law, "NO_ROW")]
     others = [f"  {name}: {law.REMARK}" for name, law in laws.items() if hasattr(law, "REMARK")]
-    parts = [f"{OURS.strip()}: the document's tables have no such row; it is ours", *ours] if ours else []
+    parts = [f"{OURS}: the document's tables have no such row; it is ours", *ours] if ours else []
     return "\n".join([*parts, *(["remarks", *others] if others else [])])
-
-
-def _marked(name: str, law: ModuleType) -> str:
-    return name + OURS if hasattr(law, "NO_ROW") else name
 
 
 def one_law(name: str) -> str:
@@ -254,12 +244,13 @@ def _validation(row: Validation | None) -> tuple[str, ...]:
 
 
 def _open(law: ModuleType) -> str:
-    """Marks of the stages that were left undefined, and of misprints."""
+    """Marks of the stages that were left undefined, of misprints, and of rows that are ours."""
     found = filled_in(law)
     counts = Counter(STAGES[filled.stage] for filled in found if not filled.misprint)
     marks = [f"{mark}{counts[mark] if counts[mark] > 1 else ''}" for mark in STAGES.values() if counts[mark]]
     misprints = sum(filled.misprint for filled in found)
-    return " ".join([*marks, *([f"!{misprints if misprints > 1 else ''}"] if misprints else [])])
+    of_row = [OURS] if hasattr(law, "NO_ROW") else []
+    return " ".join([*marks, *([f"!{misprints if misprints > 1 else ''}"] if misprints else []), *of_row])
 
 
 def _of_selections(law: ModuleType) -> frozenset[str]:
