@@ -91,11 +91,10 @@ FILLED = (
         "OpenSteer counts members within three radii whatever their bearing",
         "the angle limits them too: who is right behind is not kept away from",
     ),
-    Filled("physical motion", "table 3.3 calls the sum a velocity", "a steering force on unit mass, as in OpenSteer"),
     Filled(
         "physical motion",
-        "OpenSteer's vehicle smooths its force from frame to frame and, when slow, turns it towards its nose",
-        "neither: the force acts as it is",
+        "table 3.3 calls the sum a velocity; OpenSteer's vehicle smooths the force and, when slow, turns it to its nose",
+        "a steering force on unit mass, as in OpenSteer, which acts as it is: neither smoothed nor turned",
     ),
 )
 HERD = Herd(4.0, 2.7, 0.05)
