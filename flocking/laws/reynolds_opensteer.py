@@ -93,7 +93,7 @@ FILLED = (
     ),
     Filled(
         "physical motion",
-        "table 3.3 calls the sum a velocity; OpenSteer's vehicle smooths the force and, when slow, turns it to its nose",
+        "table 3.3 calls the sum a velocity; OpenSteer's vehicle smooths the force and, if slow, turns it",
         "a steering force on unit mass, as in OpenSteer, which acts as it is: neither smoothed nor turned",
     ),
 )
