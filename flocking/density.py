@@ -10,6 +10,7 @@ import math
 
 import numpy as np
 
+from flocking.angles import wrap
 from flocking.compilation import allocating, compiled
 from flocking.types import Bools, Floats, Ints
 
@@ -58,7 +59,7 @@ def _groups_by_angle(bearings: Floats, threshold: float) -> Ints:
 
 @compiled
 def _turn(first: float, second: float) -> float:
-    return abs((second - first + math.pi) % (2.0 * math.pi) - math.pi)
+    return abs(wrap(second - first))
 
 
 @allocating

@@ -1,6 +1,9 @@
 """What a law's file says about its publication: the rows of the two taxonomies, and what had to be filled in.
 
 Source: Fine 2015, tables 3.2 and 3.4; completeness and precision as in sections 3.1 and 3.4.1.
+
+A file whose law has no row in those tables says why in `NO_ROW`: its `TAXONOMY` and `VALIDATION` are then ours. What
+else is to be said of the rows stands in `REMARK`.
 """
 
 from __future__ import annotations
@@ -63,3 +66,5 @@ class Herd(NamedTuple):
     """`unbounded`, `bounded` or `periodic`; the latter two have the starting square's side."""
     leaders: int = 0
     """Members with role 1, for a law that tells leaders or strong members from the others."""
+    updating: str = "backward"
+    """`backward`: members take up their new velocity and then move by it; `forward`: they move by the old one first."""

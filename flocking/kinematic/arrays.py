@@ -85,6 +85,8 @@ class HerdArrays(NamedTuple):
     """Time step, s."""
     motions: Floats
     """(N, 4) kind, x, y and rule of what each member decided last; body frame."""
+    forward: bool
+    """Whether members move by their old velocity, before they take up the new one."""
 
 
 class Tracks(NamedTuple):
@@ -165,7 +167,7 @@ def example_herd() -> HerdArrays:
     limits = Limits(np.empty(0), np.empty(0), np.empty(0), np.empty(0))
     minds = Minds(np.empty((0, 0)), np.empty((0, 2)))
     place = Place(0.0, np.empty((0, 4)), 0.0, np.empty((0, 0), np.bool_), np.empty((0, 0), np.bool_))
-    return HerdArrays(example_bodies(), limits, minds, place, 0.0, np.empty((0, 4)))
+    return HerdArrays(example_bodies(), limits, minds, place, 0.0, np.empty((0, 4)), False)
 
 
 def example_tracks() -> Tracks:

@@ -14,6 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from flocking.angles import wrapped
 from flocking.errors import InputError, StorageError
 from flocking.kinematic.arrays import Bodies, HerdArrays, Limits, Minds, Tracks
 from flocking.kinematic.bands import Band, Space, check_linked
@@ -77,10 +78,13 @@ class Schedule(NamedTuple):
     synchronous: bool = True
     """All members decide on the same state and then move; otherwise one after the other within each step, in an order
     drawn anew."""
+    forward: bool = False
+    """Members move by their old velocity and then take up the new one, as in some publications; otherwise the other way
+    round."""
 
     def checked(self) -> Schedule:
         """Itself, with whole numbers as `int`. Raises `InputError` for numbers that no simulation can have."""
-        dt_s, steps, every, _ = self
+        dt_s, steps, every = self.dt_s, self.steps, self.every
         if not 0.0 < dt_s < math.inf or steps < 0 or every < 1 or steps % 1 or every % 1:
             raise InputError(
                 f"dt_s = {dt_s:g}, steps = {steps}, every = {every}: expected a finite positive time, and whole "
@@ -121,9 +125,9 @@ def simulate(
     fixed set. Raises `InputError` for what does not fit and `LawFailedError` if a law fails.
     """
     bands = [bands] if isinstance(bands, Band) else list(bands)
-    dt_s, steps, every, synchronous = schedule.checked()
+    dt_s, steps, every, synchronous, forward = schedule.checked()
     said, turn = progress or Progress()
-    run = KinematicHerd(bands, poses_w, space or Space(), graph, dt_s, rng, turn)
+    run = KinematicHerd(bands, poses_w, space or Space(), graph, dt_s, rng, turn, forward)
     run.start(velocities_w, speeds_m_s)
     tracks = np.empty((steps // every + 1, len(run.positions), 5))
     _kernel().record(run.bodies, tracks[0])
@@ -146,8 +150,7 @@ def _starting(poses_w: Floats, count: int, space: Space) -> Floats:
         raise InputError(f"starting poses of shape {poses_w.shape} for {count} members; expected ({count}, 3)")
     if not np.isfinite(poses_w).all():
         raise InputError(f"starting pose {_first_not_finite(poses_w)} is not finite; expected x, y, heading")
-    turned = np.abs(poses_w[:, 2]) >= math.pi
-    poses_w[turned, 2] = (poses_w[turned, 2] + math.pi) % (2.0 * math.pi) - math.pi
+    poses_w[:, 2] = wrapped(poses_w[:, 2])
     places = poses_w[:, :2]
     if space.kind == "periodic":
         places %= space.size_m
@@ -181,6 +184,7 @@ class KinematicHerd:
         dt: float,
         rng: np.random.Generator,
         turn: Ints | None = None,
+        forward: bool = False,
     ) -> None:
         count = sum(band.checked().count for band in bands)
         self.bands = bands
@@ -225,7 +229,7 @@ class KinematicHerd:
             np.zeros((count, 2), np.bool_),
             np.zeros((count, max(stages.memory for stages in self.stages))),
         )
-        self.arrays = HerdArrays(self.bodies, limits, minds, place, float(dt), np.zeros((count, 4)))
+        self.arrays = HerdArrays(self.bodies, limits, minds, place, float(dt), np.zeros((count, 4)), forward)
         self.draws = [band.law.draws for band in bands]
         self.most_steps = max(1, MOST_DRAWS // (count * (1 + max(self.draws))))
         self.pace = max(1, min(FIRST_DECISIONS, FIRST_LOOKS // count))

@@ -1,8 +1,9 @@
 """Stage 5 of the kinematic herd: from a law's motion to the member's next pose. Compiled.
 
 Ideal members do what they decide within one step; limits of speed and turn rate constrain them (Fine 2015, section
-3.3.1: mobility). Velocities are changed before positions (semi-implicit Euler). A wall stops the motion into it and
-leaves that along it. Members with a radius cannot enter one another: the step ends at the touch.
+3.3.1: mobility). Velocities are changed before positions (semi-implicit Euler), or, in herds that update `forward`, as
+some publications do, positions by the old velocities first. A wall stops the motion into it and leaves that along it.
+Members with a radius cannot enter one another: the step ends at the touch.
 """
 
 from __future__ import annotations
@@ -123,12 +124,28 @@ def within(x: float, period: float) -> float:
 
 
 @borrowing
+def displace(i: int, herd: HerdArrays, others: Floats) -> None:
+    """Moves member i by its velocity for one step; what stops it stops its velocity too."""
+    bodies, limits, place, dt = herd.bodies, herd.limits, herd.place, herd.dt
+    px, py = bodies.positions[i, 0], bodies.positions[i, 1]
+    vx, vy = bodies.velocities[i, 0], bodies.velocities[i, 1]
+    if limits.radii[i] > 0.0 or len(place.walls) > 0:
+        nx, ny = stopped(i, px, py, vx * dt, vy * dt, bodies, others, limits, place)
+        bodies.velocities[i, 0], bodies.velocities[i, 1] = (nx - px) / dt, (ny - py) / dt
+    else:
+        nx, ny = px + vx * dt, py + vy * dt
+    bodies.positions[i, 0], bodies.positions[i, 1] = within(nx, place.period), within(ny, place.period)
+
+
+@borrowing
 def move(i: int, herd: HerdArrays, others: Floats) -> None:
     """Moves member i by one step, as it decided. `others` (N, 2) are the positions that it may run into."""
-    bodies, limits, place, dt = herd.bodies, herd.limits, herd.place, herd.dt
+    bodies, limits, dt = herd.bodies, herd.limits, herd.dt
     kind, x, y = int(herd.motions[i, 0]), herd.motions[i, 1], herd.motions[i, 2]
     before = bodies.headings[i]
-    px, py = bodies.positions[i, 0], bodies.positions[i, 1]
+    bodies.contacts[i, 0] = bodies.contacts[i, 1] = False
+    if herd.forward:
+        displace(i, herd, others)
     vx, vy, heading = wanted(kind, x, y, before, bodies.velocities[i, 0], bodies.velocities[i, 1], limits.cruise[i], dt)
     backwards = kind == Kind.HEADING and y < 0.0
     vx, vy, heading = within_limits(
@@ -136,11 +153,6 @@ def move(i: int, herd: HerdArrays, others: Floats) -> None:
     )
     bodies.headings[i] = heading
     bodies.turn_rates[i] = wrap(heading - before) / dt
-    bodies.contacts[i, 0] = bodies.contacts[i, 1] = False
-    if limits.radii[i] > 0.0 or len(place.walls) > 0:
-        nx, ny = stopped(i, px, py, vx * dt, vy * dt, bodies, others, limits, place)
-        vx, vy = (nx - px) / dt, (ny - py) / dt
-    else:
-        nx, ny = px + vx * dt, py + vy * dt
     bodies.velocities[i, 0], bodies.velocities[i, 1] = vx, vy
-    bodies.positions[i, 0], bodies.positions[i, 1] = within(nx, place.period), within(ny, place.period)
+    if not herd.forward:
+        displace(i, herd, others)

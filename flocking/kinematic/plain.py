@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from flocking import avoidance, obstacle_selection, selection
+from flocking.angles import wrap, wrapped
 from flocking.kinematic.arrays import Bodies
 from flocking.kinematic.herd import Band
 from flocking.tessellation import tessellated
@@ -31,6 +32,8 @@ class Surroundings(NamedTuple):
     """(N, N): whose Voronoi cells touch; None if no selection reads it."""
     walls_w: Floats | None
     """(W, 4) segments."""
+    forward: bool
+    """Whether members move by their old velocity, before they take up the new one."""
 
 
 class Mind(NamedTuple):
@@ -53,19 +56,20 @@ def step(
     graph: Bools | None = None,
     walls_w: Floats | None = None,
     members: Collection[int] | None = None,
+    forward: bool = False,
 ) -> Bodies:
     """One synchronous step of all bands from the state `before`, which is left as it is.
 
     `draws`: for each band (count, DRAWS) uniform numbers. Selections may limit the herd by Voronoi cells, which are
     then those of all members. `walls_w` (W, 4) segments, not in periodic space. `members`: who is to take the step,
-    None = all; the others stay as they are.
+    None = all; the others stay as they are. `forward` as in `flocking.kinematic.herd.Schedule`.
     """
     after = Bodies._make(array.copy() for array in before)
     first = 0
     parsed = [selection.parse_sets(band.selection, band.law.sets, band.law.parameter_names) for band in bands]
     voronoi = any(chosen.step is selection.Step.VORONOI for sets in parsed for steps in sets for chosen in steps)
     touching = tessellated(before.positions, period_m) if voronoi else None
-    around = Surroundings(dt_s, period_m, graph, touching, walls_w)
+    around = Surroundings(dt_s, period_m, graph, touching, walls_w, forward)
     for band, sets, numbers in zip(bands, parsed, draws, strict=True):
         for i in range(first, first + band.count):
             if members is not None and i not in members:
@@ -73,7 +77,7 @@ def step(
             given = band.parameters if isinstance(band.parameters, Mapping) else band.parameters[i - first]
             mind = Mind(band, i - first, sets, band.law.parameters(given))
             motion = _decided(i, mind, before, after.memory, numbers[i - first], around)
-            _move(i, band, motion, before, after, dt_s, period_m)
+            _move(i, band, motion, before, after, around)
         first += band.count
     return after
 
@@ -81,7 +85,7 @@ def step(
 def _decided(i: int, mind: Mind, now: Bodies, memory: Floats, u: Floats, around: Surroundings) -> Motion:
     """Stages 2 to 4 of member i; `memory` (N, MEMORY) is written to, `u` (DRAWS,) are its random numbers."""
     band, number, sets, parameters = mind
-    dt, period, graph, touching, walls = around
+    dt, period, graph, touching, walls, _ = around
     heading = now.headings[i]
     to_body = np.array([[math.cos(heading), math.sin(heading)], [-math.sin(heading), math.cos(heading)]])
     others = np.delete(np.arange(len(now.positions)), i)
@@ -92,7 +96,7 @@ def _decided(i: int, mind: Mind, now: Bodies, memory: Floats, u: Floats, around:
     members = Members(
         positions,
         np.arctan2(positions[:, 1], positions[:, 0]),
-        (now.headings[others] - heading + math.pi) % (2.0 * math.pi) - math.pi,
+        wrapped(now.headings[others] - heading),
         now.velocities[others] @ to_body.T,
         others.astype(np.int64),
     )
@@ -152,8 +156,9 @@ def _obstacles(position: Floats, to_body: Floats, walls: Floats, band: Band) -> 
     return obstacle_selection.select(obstacle_selection.parse(band.obstacle_selection), Obstacles(points))
 
 
-def _move(i: int, band: Band, motion: Motion, now: Bodies, after: Bodies, dt: float, period: float) -> None:
+def _move(i: int, band: Band, motion: Motion, now: Bodies, after: Bodies, around: Surroundings) -> None:
     """Stage 5 of member i."""
+    dt, period = around.dt_s, around.period_m
     heading, velocity = now.headings[i], now.velocities[i].copy()
     to_world = np.array([[math.cos(heading), -math.sin(heading)], [math.sin(heading), math.cos(heading)]])
     given = np.array([motion.x, motion.y])
@@ -177,17 +182,17 @@ def _move(i: int, band: Band, motion: Motion, now: Bodies, after: Bodies, dt: fl
     speed = math.hypot(*velocity)
     if speed > band.max_speed_m_s:
         velocity = velocity / speed * band.max_speed_m_s
-    turn = (turned - heading + math.pi) % (2.0 * math.pi) - math.pi
+    turn = wrap(turned - heading)
     if abs(turn) > band.max_turn_rate_rad_s * dt:
         turned = heading + math.copysign(band.max_turn_rate_rad_s * dt, turn)
         nose = np.array([math.cos(turned), math.sin(turned)])
         along = float(velocity @ nose)
         backwards = motion.kind == Kind.HEADING and motion.y < 0.0
         velocity = (min(0.0, along) if backwards else max(0.0, along)) * nose
-    after.headings[i] = (turned + math.pi) % (2.0 * math.pi) - math.pi
-    after.turn_rates[i] = ((after.headings[i] - heading + math.pi) % (2.0 * math.pi) - math.pi) / dt
+    after.headings[i] = wrap(turned)
+    after.turn_rates[i] = wrap(after.headings[i] - heading) / dt
     after.contacts[i] = False
     after.velocities[i] = velocity
-    after.positions[i] = now.positions[i] + velocity * dt
+    after.positions[i] = now.positions[i] + (now.velocities[i] if around.forward else velocity) * dt
     if period:
         after.positions[i] %= period

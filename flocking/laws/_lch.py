@@ -32,6 +32,9 @@ KeepsDirection = Annotated[
     bool, Parameter("", "Fine 2015, section 4.2: a robot that sees nobody goes on; as printed it stays")
 ]
 
+UNPRINTED = "a variation of LCH by chapter 4 and Fine and Shell 2012, which the tables do not hold"
+"""Why the document's tables have no row for any of the four."""
+
 LARGEST = Filled(
     "neighbour selection",
     "the cluster of highest density is to be chosen (text), the largest one (MaxConnComponent)",

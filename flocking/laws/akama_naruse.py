@@ -28,11 +28,12 @@ SETS = {"neighbours": "distance-based(0, range_m)"}
 RELATIONS = ("length_m at most range_m",)
 TAXONOMY = Taxonomy("homogeneous", "idealized", "discrete", "member", False, True, True, False)
 VALIDATION = Validation("S", True, "global", "global", "-", "unbounded free")
+NO_ROW = "a publication that the tables do not hold"
 FILLED = (
     Filled(
         "physical motion",
         "equations 4 and 5 do not say whether positions change by the old or the new velocity",
-        "by the new one (semi-implicit Euler), as everywhere in the kinematic herd",
+        "by the new one (semi-implicit Euler); a kinematic herd's updating can be set to forward",
     ),
     Filled("sensing", "how a member comes to know positions and velocities", "they are known without error"),
     Filled(

@@ -55,7 +55,7 @@ class Parameters(NamedTuple):
 
 TAXONOMY = Taxonomy("homogeneous", "constrained", "continuous", "all", False, False, False, False)
 VALIDATION = Validation("-", False, "-", "-", "-", "-")
-"""No publication has validated it."""
+NO_ROW = "our reading of a question of section 3.6.1, from no publication; nobody has validated it"
 FILLED = (
     Filled(
         "motion computation",

@@ -12,6 +12,7 @@ selection may be set in their place. With all within the distance, as table A.1 
 beyond the nearest ones press a herd into its hard cores.
 
 Neighbours within the hard core outweigh everything. Needs positions and velocities. No neighbours: velocity is kept.
+In a kinematic herd members move by the old velocity (`forward`), as in the publication.
 """
 
 from __future__ import annotations
@@ -47,7 +48,7 @@ FILLED = (
     BRACKET,
     Filled("motion computation", "the formula is undefined without neighbours", "velocity is kept"),
 )
-HERD = Herd(spacing_m=0.5, speed_m_s=0.05, dt_s=1.0, space="unbounded")
+HERD = Herd(spacing_m=0.5, speed_m_s=0.05, dt_s=1.0, space="unbounded", updating="forward")
 CREATE = {**FOR_CREATES, "noise": 0.5}
 
 SAME_AUTHORS = "our choice: as in Bialek et al. 2012 (PNAS 109), some of the same authors, the same equation"

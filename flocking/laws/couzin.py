@@ -1,11 +1,11 @@
-"""Effective leadership: repulsion first, else attraction and alignment, balanced by the informed with their direction.
+"""Effective leadership: repulsion, else attraction and alignment; the informed balance it with their direction.
 
 Source: Couzin, Krause, Franks and Levin 2005, "Effective leadership and decision-making in animal groups on the move";
 Fine 2015, table A.1, which leaves repulsion, noise and turning out. The publication's unit of length is metres here.
 
-    somebody nearer than alpha   d = minus the sum of the unit vectors towards them
-    else, within rho             d = the sum of the unit vectors towards them and of all unit velocities, own included
-    informed                     d = the unit vector of d + omega times the unit vector of the preferred direction
+    1  somebody nearer than alpha   d = minus the sum of the unit vectors towards them
+    2  else, within rho             d = the sum of the unit vectors towards them and of all unit velocities, own too
+    3  informed                     d = the unit vector of d + omega times the unit vector of the preferred direction
 
 d is turned by a random angle (normal about 0) and approached by at most the turning rate times the time between
 updates; the speed is constant. Informed members are those that have a goal: one far away is a direction.
@@ -14,10 +14,10 @@ Needs positions and velocities, and of itself the goal; the own direction is the
 direction, for informed ones with their preferred one. A sum of zero: the own direction. Neighbours in its own place or
 at rest add nothing.
 
-Readings: repulsion has the highest priority, so that the preferred direction waits while somebody is too near; noise
-comes before the limit of turning. The document gives no speed: with 3 units a second larger groups need a smaller
-share of informed members, as published; with 1 the repulsion of a crowd turns groups of 100 into swarms. Table 3.2
-gives the model no orientation: velocities hold it.
+Readings: equation 3 has no condition, so that the informed weigh in their preferred direction after repulsion as well;
+repulsion's priority is that over attraction and alignment. With `repulsion_first` the preferred direction waits while
+somebody is too near: in crowds, where somebody always is, informed members then hardly steer. Noise comes before the
+limit of turning. The document gives no speed. Table 3.2 gives the model no orientation: velocities hold it.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ from flocking.types import Bools, Floats, Kind, Members, Motion, Obstacles, Own
 SOURCE = "Couzin et al. 2005"
 
 NEEDS = frozenset({"positions", "velocities", "goal"})
-RULES = ("alone", "apart", "together", "informed")
+RULES = ("alone", "apart", "together", "informed", "informed and apart")
 SETS = {"repulsion": "distance-based(0, alpha_m)", "interaction": "distance-based(0, rho_m)"}
 RELATIONS = ("alpha_m at most rho_m",)
 DRAWS = 1
@@ -54,14 +54,14 @@ FILLED = (
     Filled(
         "motion computation",
         "whether an informed member minds its preferred direction while somebody is too near",
-        "it does not: repulsion has the highest priority",
+        "it does: equation 3 has no condition; the parameter repulsion_first gives the other reading",
     ),
     Filled("motion computation", "terms that cancel out", "the member keeps its direction"),
 )
 HERD = Herd(spacing_m=1.5, speed_m_s=3.0, dt_s=0.2)
 CREATE = {"alpha_m": 0.6, "rho_m": 4.0, "speed_m_s": 0.25, "turn_limit_rad_s": 10.0}
 
-ALONE, APART, TOGETHER, INFORMED = range(4)
+ALONE, APART, TOGETHER, INFORMED, INFORMED_APART = range(5)
 
 
 class Parameters(NamedTuple):
@@ -77,6 +77,9 @@ class Parameters(NamedTuple):
     turn_limit_rad_s: Annotated[float, Parameter("rad/s", f"{SOURCE}: 2 radians a second", published=True, low=0.0)] = (
         2.0
     )
+    repulsion_first: Annotated[
+        bool, Parameter("", "our reading; true: no preferred direction while somebody is nearer than alpha_m")
+    ] = False
 
 
 def law(
@@ -110,8 +113,8 @@ def law(
     if math.hypot(x, y) <= NEGLIGIBLE:
         x, y = 1.0, 0.0
     has_goal, gx, gy = towards_goal(own.goal)
-    if near == 0 and has_goal:
-        rule = INFORMED
+    if has_goal and not (near > 0 and parameters.repulsion_first):
+        rule = INFORMED_APART if near > 0 else INFORMED
         x, y = unit(x, y)
         x += parameters.omega * gx
         y += parameters.omega * gy

@@ -5,7 +5,8 @@ Vicsek et al. 1995. The velocity's direction is that of the summed velocities wi
 turned by a number drawn evenly from [-noise/2, noise/2]; at a constant speed that is Vicsek's mean heading. Radians,
 metres, metres per second.
 
-Needs positions (to select) and headings. No neighbours: straight on, with noise alone.
+Needs positions (to select) and headings. No neighbours: straight on, with noise alone. As in `vicsek`
+members of a kinematic herd move by the old velocity.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ DRAWS = 1
 
 TAXONOMY = Taxonomy("homogeneous", "idealized", "discrete", "-", False, True, False, True)
 VALIDATION = Validation("S", True, "global", "global", "global", "periodic free")
-HERD = Herd(spacing_m=1.58, speed_m_s=0.1, dt_s=1.0, space="periodic")
+HERD = Herd(spacing_m=1.58, speed_m_s=0.1, dt_s=1.0, space="periodic", updating="forward")
 CREATE = {"range_m": 2.0, "speed_m_s": 0.25}
 
 

@@ -13,7 +13,7 @@ Neighbours within the hard core outweigh everything: the member turns straight a
 in the member itself.
 
 Needs positions and headings. No neighbours: straight on, with noise alone. Sums that cancel out exactly: the member's
-own heading is kept.
+own heading is kept. In a kinematic herd members move by the old velocity (`forward`), as in the publication.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ DRAWS = 1
 TAXONOMY = Taxonomy("homogeneous", "idealized", "discrete", "member", False, True, False, True)
 VALIDATION = Validation("S", True, "global", "constant", "global", "periodic free")
 FILLED = gregoire.FILLED
-HERD = Herd(spacing_m=0.5, speed_m_s=0.05, dt_s=1.0, space="periodic")
+HERD = Herd(spacing_m=0.5, speed_m_s=0.05, dt_s=1.0, space="periodic", updating="forward")
 CREATE = {**FOR_CREATES, "noise": 0.1}
 
 

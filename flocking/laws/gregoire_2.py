@@ -6,7 +6,7 @@ directions: the more the neighbours agree, the less it counts beside the sum of 
 and hard core are those of `gregoire_1`. Metres, seconds; one step is one second.
 
 The sum of the v_j, and the number, take in the member itself. Needs positions and headings. No neighbours: the
-member's own velocity and noise.
+member's own velocity and noise. In a kinematic herd members move by the old velocity, as in `gregoire_1`.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ FILLED = (
         "it does not: it is finite",
     ),
 )
-HERD = Herd(spacing_m=0.5, speed_m_s=0.05, dt_s=1.0, space="periodic")
+HERD = Herd(spacing_m=0.5, speed_m_s=0.05, dt_s=1.0, space="periodic", updating="forward")
 CREATE = {**FOR_CREATES, "noise": 0.5}
 
 

@@ -5,11 +5,12 @@ turning rate"; Fine 2015, table A.1. Metres and seconds.
 
 The desired heading is that of w1 s + w2 a + w3 c + w4 m: the unit vectors of separation s = the mean over the
 neighbours j of (r_i - r_j)/|r_i - r_j|², of alignment a = their mean velocity, of cohesion c = their mean position less
-r_i, and of migration m, towards the goal. The turn of one update is at most the turning rate times the time since the
-last one.
+r_i; and m, the whole vector to the migration point, the goal. With the published w4 of 1/500 a goal 500 m away weighs
+as much as cohesion, and one kilometres away outweighs all else. The turn of one update is at most the turning rate
+times the time since the last one.
 
 Needs positions and velocities; a member without a goal does not migrate. No neighbours: migration alone, or the heading
-stays. The robot never stops.
+stays. The robot never stops. The weights are quoted from public replications, which agree on them.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from typing import Annotated, NamedTuple
 
 from flocking.parameters import Parameter
 from flocking.taxonomy import Filled, Herd, Taxonomy, Validation
-from flocking.terms import mean_vector, towards_goal, unit
+from flocking.terms import mean_vector, unit
 from flocking.types import Bools, Floats, Kind, Members, Motion, Obstacles, Own
 
 SOURCE = "Hauert et al. 2011"
@@ -51,7 +52,8 @@ FILLED = (
     ),
 )
 HERD = Herd(spacing_m=30.0, speed_m_s=10.0, dt_s=0.1)
-CREATE = {"range_m": 5.6, "speed_m_s": 0.25, "turn_rate_rad_s": 1.0}
+CREATE = {"range_m": 5.6, "speed_m_s": 0.25, "turn_rate_rad_s": 1.0, "migration_per_m": 0.1}
+"""A goal ten metres away weighs as much as cohesion."""
 
 
 class Parameters(NamedTuple):
@@ -60,10 +62,12 @@ class Parameters(NamedTuple):
     range_m: Annotated[float, Parameter("m", "our choice: communication range, which is varied", low=0.0)] = 100.0
     speed_m_s: Annotated[float, Parameter("m/s", "our choice: of a small fixed-wing robot", low=0.0)] = 10.0
     turn_rate_rad_s: Annotated[float, Parameter("rad/s", "our choice: largest turning rate, varied", low=0.0)] = 0.8
-    separation: Annotated[float, Parameter("", "our choice: w1", low=0.0)] = 1.0
-    alignment: Annotated[float, Parameter("", "our choice: w2", low=0.0)] = 1.0
-    cohesion: Annotated[float, Parameter("", "our choice: w3", low=0.0)] = 1.0
-    migration: Annotated[float, Parameter("", "our choice: w4", low=0.0)] = 0.5
+    separation: Annotated[float, Parameter("", f"{SOURCE}: w1", published=True, low=0.0)] = 1.2
+    alignment: Annotated[float, Parameter("", f"{SOURCE}: w2", published=True, low=0.0)] = 1.0
+    cohesion: Annotated[float, Parameter("", f"{SOURCE}: w3", published=True, low=0.0)] = 1.0
+    migration_per_m: Annotated[
+        float, Parameter("1/m", f"{SOURCE}: w4, on the whole vector to the migration point", published=True, low=0.0)
+    ] = 1.0 / 500.0
 
 
 def law(
@@ -92,10 +96,9 @@ def law(
     x = parameters.separation * sx + parameters.alignment * ax + parameters.cohesion * cx
     y = parameters.separation * sy + parameters.alignment * ay + parameters.cohesion * cy
     rule = 1 if found > 0 else 0
-    has_goal, mx, my = towards_goal(own.goal)
-    if has_goal:
-        x += parameters.migration * mx
-        y += parameters.migration * my
+    if not math.isnan(own.goal[0]):
+        x += parameters.migration_per_m * own.goal[0]
+        y += parameters.migration_per_m * own.goal[1]
         rule += 2
     if math.hypot(x, y) < TOO_SHORT:
         return Motion(Kind.HEADING, 0.0, parameters.speed_m_s, rule)

@@ -1,11 +1,15 @@
 """Social force model of pedestrians: what a walker wants, and what others and walls keep it from, add up.
 
-Source: Helbing, Buzna, Johansson and Werner 2005 on the model of Helbing and Molnar 1995; Fine 2015, section 3.4.1,
-which does not formalise it. Metres and seconds, forces per mass, body frame.
+Source: Helbing, Buzna, Johansson and Werner 2005, circular specification, on the model of Helbing and Molnar 1995; Fine
+2015, section 3.4.1, which does not formalise it. Metres and seconds, forces per mass, body frame.
 
-Acceleration = (desired speed · e − v) / relaxation time + Σ members A exp((diameter − d) / B) w(φ) away from each
+Acceleration = (desired speed · e − v) / relaxation time
++ Σ members (A1 exp((diameter − d) / B1) w(φ) + A2 exp((diameter − d) / B2)) away from each
 + Σ walls A_w exp((radius − d) / B_w) away from each + Σ members C towards each + fluctuation, with
 w(φ) = λ + (1 − λ)(1 + cos φ) / 2, φ the angle between the own motion and the direction to the other one.
+
+The first repulsion is anisotropic: what is behind counts λ times what is ahead. The second is the same all around. The
+publication's crowds have the second alone, A1 = 0, so that λ does not count.
 
 Reads the members' positions, the goal and the obstacles. With no neighbours the walker goes its way: the driving term,
 the walls and the fluctuation remain. Walkers that differ (the row's heterogeneous group) have other parameters.
@@ -28,24 +32,46 @@ SETS = {"neighbours": "distance-based(0, range_m)"}
 DRAWS = 2
 
 HELBING_1995 = "Helbing and Molnar 1995, the model's parameters"
+HELBING_2005 = "Helbing et al. 2005"
 
 
 class Parameters(NamedTuple):
     """Of the social forces."""
 
     desired_speed_m_s: Annotated[float, Parameter("m/s", f"{HELBING_1995}: the mean", published=True, low=0.0)] = 1.34
-    relaxation_s: Annotated[float, Parameter("s", HELBING_1995, published=True, low=1e-3)] = 0.5
+    relaxation_s: Annotated[float, Parameter("s", f"{HELBING_2005}: tau", published=True, low=1e-3)] = 1.0
     top_speed_factor: Annotated[
         float, Parameter("", f"{HELBING_1995}: top speed by desired speed", published=True, low=1.0)
     ] = 1.3
     diameter_m: Annotated[float, Parameter("m", "our choice: a pedestrian's, shoulder to shoulder", low=0.0)] = 0.6
-    repulsion_m_s2: Annotated[float, Parameter("m/s²", "our choice: strength A of the repulsion", low=0.0)] = 3.0
-    repulsion_range_m: Annotated[float, Parameter("m", "our choice: range B of the repulsion", low=0.01)] = 0.2
+    repulsion_m_s2: Annotated[
+        float, Parameter("m/s²", f"{HELBING_2005}: A2, of the isotropic repulsion", published=True, low=0.0)
+    ] = 3.0
+    repulsion_range_m: Annotated[float, Parameter("m", f"{HELBING_2005}: B2, its range", published=True, low=0.01)] = (
+        0.2
+    )
+    anisotropic_m_s2: Annotated[
+        float, Parameter("m/s²", f"{HELBING_2005}: A1, of the anisotropic repulsion", published=True, low=0.0)
+    ] = 0.0
+    anisotropic_range_m: Annotated[
+        float, Parameter("m", "our choice: B1, its range; of no effect where its strength is 0", low=0.01)
+    ] = 0.2
     anisotropy: Annotated[
-        float, Parameter("", "our choice: λ, the weight of what is behind; 1 = all alike", low=0.0, high=1.0)
+        float,
+        Parameter(
+            "",
+            f"{HELBING_2005}: λ, weight of what is behind in the anisotropic repulsion; 1 = all alike",
+            published=True,
+            low=0.0,
+            high=1.0,
+        ),
     ] = 0.75
-    wall_m_s2: Annotated[float, Parameter("m/s²", "our choice: strength of the walls' repulsion", low=0.0)] = 5.0
-    wall_range_m: Annotated[float, Parameter("m", "our choice: range of the walls' repulsion", low=0.01)] = 0.1
+    wall_m_s2: Annotated[
+        float, Parameter("m/s²", f"{HELBING_2005}: A of the walls' repulsion", published=True, low=0.0)
+    ] = 5.0
+    wall_range_m: Annotated[
+        float, Parameter("m", f"{HELBING_2005}: B of the walls' repulsion", published=True, low=0.01)
+    ] = 0.1
     attraction_m_s2: Annotated[
         float, Parameter("m/s²", "our choice: C, the pull of each neighbour, whatever its distance", low=0.0)
     ] = 0.1
@@ -58,7 +84,7 @@ class Parameters(NamedTuple):
 
 TAXONOMY = Taxonomy("heterogeneous", "idealized", "continuous", "all", False, True, True, False)
 VALIDATION = Validation("SP", False, "global", "global", "-", "bounded obstacles")
-"""The row is that of Helbing et al. 2000; the physical agents were people."""
+REMARK = "table 3.4 has the row of Helbing et al. 2000; the physical agents were people"
 FILLED = (
     Filled(
         "motion computation",
@@ -114,10 +140,12 @@ def law(
         if sets[0, j] and distance > 0.0:
             felt = 1
             nx, ny = members.positions[j, 0] / distance, members.positions[j, 1] / distance
-            facing = 0.5 * (1.0 + going_x * nx + going_y * ny)
-            weight = parameters.anisotropy + (1.0 - parameters.anisotropy) * facing
-            push = weight * parameters.repulsion_m_s2
-            push *= math.exp((parameters.diameter_m - distance) / parameters.repulsion_range_m)
+            depth = parameters.diameter_m - distance
+            push = parameters.repulsion_m_s2 * math.exp(depth / parameters.repulsion_range_m)
+            if parameters.anisotropic_m_s2 > 0.0:
+                facing = 0.5 * (1.0 + going_x * nx + going_y * ny)
+                weight = parameters.anisotropy + (1.0 - parameters.anisotropy) * facing
+                push += weight * parameters.anisotropic_m_s2 * math.exp(depth / parameters.anisotropic_range_m)
             ax += (parameters.attraction_m_s2 - push) * nx
             ay += (parameters.attraction_m_s2 - push) * ny
     for k in range(len(obstacles.points)):

@@ -36,6 +36,7 @@ SETS = {"visible": "distance-based(0, range_m) & k-nearest(visible)"}
 RELATIONS = ("spacing_m at most range_m",)
 TAXONOMY = Taxonomy("homogeneous", "idealized", "discrete", "all", False, True, True, False)
 VALIDATION = Validation("S", True, "global", "global", "-", "unbounded obstacles")
+NO_ROW = "a publication that the tables do not hold"
 FILLED = (
     Filled(
         "motion computation",

@@ -3,13 +3,16 @@
 Source: Jadbabaie, Lin and Morse 2003 (conference 2002), "Coordination of groups of mobile autonomous agents using
 nearest neighbor rules"; Fine 2015, table A.1 (leaderless). The publication's units are free; metres and seconds here.
 
-New heading = own heading + the sum over the n neighbours of (their heading - own heading), divided by g, with g > n;
-the speed is constant. Over a graph that is undirected and stays connected all headings become their mean at the start.
+New heading = own heading + the sum over the neighbours of (their heading - own heading), divided by g, which exceeds
+the number of all agents, and so that of any member's neighbours; the speed is constant. Over a graph that is undirected
+and stays connected all headings become their mean at the start.
 
 Needs headings; the selection needs positions. No neighbours: the heading stays and the member moves on.
 The publication takes headings as plain numbers. Here each difference is wrapped into half a turn either way, which is
 the same wherever all headings lie within half a turn of one another; a neighbour that moves in exactly the opposite
-direction lies to neither side and turns nobody. With g of no more than n, n + 1 takes its place: the plain average.
+direction lies to neither side and turns nobody. A member does not know how many agents there are: choose g above
+their number. Where it does not even exceed a member's n neighbours, n + 1 takes its place: the plain average.
+In a kinematic herd members move by the old velocity (`forward`), as in the publication.
 """
 
 from __future__ import annotations
@@ -38,8 +41,8 @@ WRAPPED = Filled(
 FILLED = (
     Filled(
         "motion computation",
-        "a weight g of no more than the number of neighbours is outside of what is defined",
-        "one more than the number of neighbours is then taken",
+        "a weight g of no more than the number of agents is outside of what is defined, but no member knows the number",
+        "g is taken as it is, or one more than the number of neighbours where it does not exceed that",
     ),
     Filled(
         "motion computation",
@@ -49,7 +52,7 @@ FILLED = (
     ),
     WRAPPED,
 )
-HERD = Herd(spacing_m=0.5, speed_m_s=0.03, dt_s=1.0, space="periodic")
+HERD = Herd(spacing_m=0.5, speed_m_s=0.03, dt_s=1.0, space="periodic", updating="forward")
 CREATE = {"range_m": 2.5, "speed_m_s": 0.25, "g": 10.0}
 
 RangeM = Annotated[float, Parameter("m", f"our choice: the unit of length of {SOURCE}", low=0.0)]
@@ -61,7 +64,10 @@ class Parameters(NamedTuple):
 
     range_m: RangeM = 1.0
     speed_m_s: SpeedMS = 0.03
-    g: Annotated[float, Parameter("", "our choice: above the usual number of neighbours", low=1.0)] = 30.0
+    g: Annotated[
+        float,
+        Parameter("", f"our choice: {SOURCE} ask for more than there are agents; a herd has 50 by itself", low=1.0),
+    ] = 60.0
 
 
 @compiled

@@ -8,7 +8,8 @@ own heading + the sum of the differences / (1 + n). A leader (role 1) keeps its 
 Followers that are linked to a leader, over others and often enough, all take up its heading.
 
 Needs headings; the selection needs positions. A member does not tell leaders from followers among its neighbours. No
-neighbours: the heading stays and the member moves on. Differences of heading are wrapped as in `jadbabaie`.
+neighbours: the heading stays and the member moves on. Differences of heading are wrapped, and
+members of a kinematic herd move by the old velocity, as in `jadbabaie`.
 """
 
 from __future__ import annotations
@@ -40,7 +41,7 @@ FILLED = (
         "the row is given as printed; a leader is a member of role 1, and there may be several",
     ),
 )
-HERD = Herd(spacing_m=0.5, speed_m_s=0.03, dt_s=1.0, space="periodic", leaders=1)
+HERD = Herd(spacing_m=0.5, speed_m_s=0.03, dt_s=1.0, space="periodic", leaders=1, updating="forward")
 CREATE = {"range_m": 2.5, "speed_m_s": 0.25}
 
 

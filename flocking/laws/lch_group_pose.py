@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from typing import Annotated, NamedTuple
 
-from flocking.laws._lch import COMPONENTS, FOR_CREATES, LARGEST, NOBODY, STEP, KeepsDirection, StepM
+from flocking.laws._lch import COMPONENTS, FOR_CREATES, LARGEST, NOBODY, STEP, UNPRINTED, KeepsDirection, StepM
 from flocking.laws.lch_member_pose import law
 from flocking.parameters import Parameter
 from flocking.taxonomy import Herd, Taxonomy, Validation
@@ -24,6 +24,7 @@ RULES = ("none", "mean")
 SETS = {"densest": "densest-distance(st_m)"}
 TAXONOMY = Taxonomy("homogeneous", "constrained", "discrete", "-", False, True, False, False)
 VALIDATION = Validation("SP", True, "global", "-", "-", "unbounded free")
+NO_ROW = UNPRINTED
 FILLED = (LARGEST, STEP, COMPONENTS, NOBODY)
 HERD = Herd(spacing_m=0.5, speed_m_s=0.1, dt_s=1.0)
 CREATE = {**FOR_CREATES, "st_m": 1.0}

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from flocking.laws._lch import CANCELLING, FOR_CREATES, NOBODY, STEP, KeepsDirection, StepM, step_along_mean
+from flocking.laws._lch import CANCELLING, FOR_CREATES, NOBODY, STEP, UNPRINTED, KeepsDirection, StepM, step_along_mean
 from flocking.taxonomy import Herd, Taxonomy, Validation
 from flocking.terms import mean_direction
 from flocking.types import Bools, Floats, Members, Motion, Obstacles, Own
@@ -24,6 +24,7 @@ RULES = ("none", "mean")
 SETS = {"neighbours": "all"}
 TAXONOMY = Taxonomy("homogeneous", "constrained", "discrete", "-", False, False, False, False)
 VALIDATION = Validation("SP", True, "global", "-", "-", "unbounded free")
+NO_ROW = UNPRINTED
 FILLED = (STEP, CANCELLING, NOBODY)
 HERD = Herd(spacing_m=0.5, speed_m_s=0.1, dt_s=1.0)
 CREATE = FOR_CREATES

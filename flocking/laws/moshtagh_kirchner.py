@@ -67,7 +67,7 @@ class Parameters(NamedTuple):
 
 TAXONOMY = Taxonomy("homogeneous", "constrained", "continuous", "member", False, True, True, False)
 VALIDATION = Validation("SP", False, "local", "inferred", "-", "bounded free")
-"""Neither table has a row for Kirchner 2006: these are what it earns."""
+NO_ROW = "publications that the tables do not hold; the rows are what they earn"
 FILLED = (
     Filled(
         "motion computation",

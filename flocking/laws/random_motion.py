@@ -28,6 +28,7 @@ DRAWS = 1
 MEMORY = 2
 TAXONOMY = Taxonomy("homogeneous", "idealized", "discrete", "-", False, False, False, False)
 VALIDATION = Validation("S", True, "-", "-", "-", "bounded free")
+NO_ROW = "the control that knows nobody, of section 6.3.3; the tables hold the rules of its publication only"
 FILLED = (Filled("motion computation", "the distribution of turns and of steps", "uniform turns, steps of one length"),)
 HERD = Herd(spacing_m=4.0, speed_m_s=1.0, dt_s=1.0, space="bounded")
 CREATE = {"speed_m_s": 0.25, "hold_s": 3.0, "turn_rad": 1.0}

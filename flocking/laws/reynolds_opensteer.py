@@ -10,6 +10,11 @@ minus the own one; c the mean position of the cohesion set. The force is cut at 
 Reads positions and headings. No neighbours: no force, the boid keeps its velocity. Obstacles are left to the avoidance
 that all laws share; OpenSteer has one of its own. OpenSteer counts members within three radii whatever their bearing;
 here the angle limits them too (`FILLED`). The row lists the members' velocity, which the rules do not read.
+
+Two things that OpenSteer's vehicle does to its force are left out (`FILLED`): at each frame it is smoothed,
+smoothed += s (force - smoothed) with s = 9 dt within 0.15 to 0.4; and below a fifth of the top speed it is turned into
+a cone about the nose, whose angle has the cosine 1 - 2 (speed / that fifth)^20, so that a boid at rest gathers speed
+straight ahead.
 """
 
 from __future__ import annotations
@@ -40,17 +45,17 @@ class Parameters(NamedTuple):
     separation_m: Annotated[float, Parameter("m", OPENSTEER, published=True, low=0.0)] = 5.0
     separation_angle_deg: Annotated[
         float, Parameter("deg", f"{OPENSTEER}: the cosine is -0.707", published=True, low=0.0, high=180.0)
-    ] = 135.0
+    ] = math.degrees(math.acos(-0.707))
     separation_weight: Annotated[float, Parameter("m/s²", OPENSTEER, published=True, low=0.0)] = 12.0
     alignment_m: Annotated[float, Parameter("m", OPENSTEER, published=True, low=0.0)] = 7.5
     alignment_angle_deg: Annotated[
         float, Parameter("deg", f"{OPENSTEER}: the cosine is 0.7", published=True, low=0.0, high=180.0)
-    ] = 45.573
+    ] = math.degrees(math.acos(0.7))
     alignment_weight: Annotated[float, Parameter("m/s²", OPENSTEER, published=True, low=0.0)] = 8.0
     cohesion_m: Annotated[float, Parameter("m", OPENSTEER, published=True, low=0.0)] = 9.0
     cohesion_angle_deg: Annotated[
         float, Parameter("deg", f"{OPENSTEER}: the cosine is -0.15", published=True, low=0.0, high=180.0)
-    ] = 98.627
+    ] = math.degrees(math.acos(-0.15))
     cohesion_weight: Annotated[float, Parameter("m/s²", OPENSTEER, published=True, low=0.0)] = 8.0
     top_force_m_s2: Annotated[float, Parameter("m/s²", OPENSTEER, published=True, low=0.0)] = 27.0
     top_speed_m_s: Annotated[float, Parameter("m/s", OPENSTEER, published=True, low=0.0)] = 9.0
@@ -86,7 +91,11 @@ FILLED = (
         "OpenSteer counts members within three radii whatever their bearing",
         "the angle limits them too: who is right behind is not kept away from",
     ),
-    Filled("physical motion", "table 3.3 calls the sum a velocity", "a steering force on unit mass, as in OpenSteer"),
+    Filled(
+        "physical motion",
+        "table 3.3 calls the sum a velocity; OpenSteer's vehicle smooths the force and, if slow, turns it",
+        "a steering force on unit mass, as in OpenSteer, which acts as it is: neither smoothed nor turned",
+    ),
 )
 HERD = Herd(4.0, 2.7, 0.05)
 CREATE = {

@@ -6,13 +6,15 @@ and the member itself, a = (v(t) - v(t - dt)) / dt, and R a turn by xi drawn eve
 publication is in three dimensions, with R about a random axis across the velocity; in two there is one such axis. With
 s = 1 the rule is Vicsek's. Metres, seconds; one step is one second.
 
-Who accelerated how is not to be known without telling neighbours apart. Here <a> dt is the change of the mean velocity
-since the last call, which is the same where the neighbours are. The mean of the last call is kept in memory, relative
-to the velocity that the member then decided on: where the member is then moving tells it, without a compass, how its
-body has turned. A body that cannot follow takes it along. At the first call nobody has accelerated.
+Who accelerated how is not to be known without telling neighbours apart: `szabo_ids` is the published rule for members
+that can. Here <a> dt is the change of the mean velocity since the last call, which is the same where the neighbours
+are. The mean of the last call is kept in memory, relative to the velocity that the member then decided on: where the
+member is then moving tells it, without a compass, how its body has turned. A body that cannot follow takes it along. At
+the first call nobody has accelerated.
 
 Needs positions (to select) and velocities. No neighbours: the member's own velocity and acceleration. Nothing left in
 the sum: the velocity's direction is kept.
+In a kinematic herd members move by the old velocity (`forward`), as in the publications.
 """
 
 from __future__ import annotations
@@ -36,35 +38,45 @@ MEAN_X, MEAN_Y, CALLED = range(3)
 
 TAXONOMY = Taxonomy("homogeneous", "idealized", "discrete", "-", False, True, True, True)
 VALIDATION = Validation("S", True, "global", "global", "global", "periodic free")
+ORIENTATIONS = Filled(
+    "sensing",
+    "table 3.2 asks for the neighbours' orientations; the formula of table A.1 has their velocities only",
+    "orientations are not needed",
+)
+FIRST_ACCELERATION = Filled("motion computation", "the acceleration at the start", "zero")
+TWO_DIMENSIONS = Filled("motion computation", "three dimensions", "two: the random turn has one axis")
+ITSELF = Filled("motion computation", "whether the member itself belongs to the means", "it does, as in Vicsek's rule")
 FILLED = (
-    Filled(
-        "sensing",
-        "table 3.2 asks for the neighbours' orientations; the formula of table A.1 has their velocities only",
-        "orientations are not needed",
-    ),
+    ORIENTATIONS,
     Filled(
         "motion computation",
         "table A.1 has one acceleration, of whom it does not say, where the publications have the neighbours' mean",
-        "the change of the mean velocity since the last call",
+        "the change of the mean velocity since the last call; with ids `szabo_ids` has each neighbour's own",
         misprint=True,
     ),
-    Filled("motion computation", "the acceleration at the start", "zero"),
-    Filled("motion computation", "three dimensions", "two: the random turn has one axis"),
-    Filled("motion computation", "whether the member itself belongs to the means", "it does, as in Vicsek's rule"),
+    FIRST_ACCELERATION,
+    TWO_DIMENSIONS,
+    ITSELF,
 )
-HERD = Herd(spacing_m=0.5, speed_m_s=0.1, dt_s=1.0, space="periodic")
+HERD = Herd(spacing_m=0.5, speed_m_s=0.1, dt_s=1.0, space="periodic", updating="forward")
 CREATE = {"range_m": 2.0, "speed_m_s": 0.25, "velocity_share": 0.8}
+
+
+RangeM = Annotated[float, Parameter("m", "our choice: the unit of length", low=0.0)]
+SpeedMS = Annotated[float, Parameter("m/s", "our choice: a tenth of the radius a step", low=0.0)]
+Share = Annotated[
+    float, Parameter("", "our choice: s, from 0 (accelerations only) to 1; swept there", low=0.0, high=1.0)
+]
+Noise = Annotated[float, Parameter("", "our choice: a share of half a turn", low=0.0, high=1.0)]
 
 
 class Parameters(NamedTuple):
     """Of Szabo's rule."""
 
-    range_m: Annotated[float, Parameter("m", "our choice: the unit of length", low=0.0)] = 1.0
-    speed_m_s: Annotated[float, Parameter("m/s", "our choice: a tenth of the radius a step", low=0.0)] = 0.1
-    velocity_share: Annotated[
-        float, Parameter("", "our choice: s, from 0 (accelerations only) to 1; swept there", low=0.0, high=1.0)
-    ] = 0.8
-    noise: Annotated[float, Parameter("", "our choice: a share of half a turn", low=0.0, high=1.0)] = 0.05
+    range_m: RangeM = 1.0
+    speed_m_s: SpeedMS = 0.1
+    velocity_share: Share = 0.8
+    noise: Noise = 0.05
 
 
 def law(

@@ -11,8 +11,9 @@ speed is u_max times the cosine of the turn to the desired heading, and 0 for mo
 
 Needs positions, headings and obstacles. Nobody heard: the own heading takes the place of h, so that a member alone
 moves straight on at full speed.
-The noise turns all headings of one call alike, as an error of the member's own compass does, and so does not average
-out over the neighbours (`FILLED`).
+Each heading that is heard has a noise of its own, which so averages out over the neighbours: the vector of length
+`noise` at a normal angle to it is added to it. The nearest neighbour has the first of the draws that follow from the
+law's two (`flocking.draws`), and so on.
 """
 
 from __future__ import annotations
@@ -20,17 +21,20 @@ from __future__ import annotations
 import math
 from typing import Annotated, NamedTuple
 
+from flocking.compilation import compiled
+from flocking.draws import drawn, seeded
+from flocking.geometry import NOT_FOUND, before
 from flocking.laws import _kobots as kobots
 from flocking.parameters import Parameter
 from flocking.taxonomy import Filled, Herd, Taxonomy, Validation
-from flocking.terms import normal, rotated
+from flocking.terms import NEGLIGIBLE, normal, unit
 from flocking.types import Bools, Floats, Kind, Members, Motion, Obstacles, Own
 
 NEEDS = frozenset({"positions", "headings", "obstacles"})
 RULES = ("alone", "align", "proximal", "align and proximal")
 SETS = {"heard": "distance-based(0, range_m)", "sensed": "distance-based(0, sensed_m)"}
 RELATIONS = ("touching_m below sensed_m",)
-DRAWS = 1
+DRAWS = 2
 TAXONOMY = Taxonomy("homogeneous", "constrained", "discrete", "all", False, True, True, False)
 VALIDATION = Validation("SP", False, "global", "-", "local", "bounded free")
 FILLED = (
@@ -44,13 +48,8 @@ FILLED = (
     Filled(
         "motion computation",
         "the noise's mean in table A.1 is a sum of headings",
-        "a vector of length noise at a normal angle to the heading heard, added to it, as in the original",
+        "to each heading heard a vector of length noise at a normal angle to it is added, as in the original",
         misprint=True,
-    ),
-    Filled(
-        "motion computation",
-        "each heading that is heard has a noise of its own, as far as is known; the formula in table A.1 is garbled",
-        "one draw turns all alike, since a law's draws have a fixed number: noise does not average over the neighbours",
     ),
     Filled(
         "motion computation",
@@ -82,6 +81,47 @@ class Parameters(NamedTuple):
     speed_m_s: kobots.SpeedMS = 0.07
 
 
+@compiled
+def following(positions: Floats, heard: Bools, last: int) -> int:
+    """Row of the member heard that comes next after row `last` by distance; the nearest for `NOT_FOUND`.
+
+    `NOT_FOUND` if there is none; of members in one place only one is found.
+    """
+    best = NOT_FOUND
+    for j in range(len(heard)):
+        later = heard[j] and (last == NOT_FOUND or before(positions, last, j))
+        if later and (best == NOT_FOUND or before(positions, j, best)):
+            best = j
+    return best
+
+
+@compiled
+def noisy_alignment(
+    positions: Floats, headings: Floats, heard: Bools, noise: float, noise_rad: float, u: Floats
+) -> tuple[float, float]:
+    """The unit vector along the sum of the headings heard, each with its noise; (0, 0) if they cancel out.
+
+    `u` (2,): mirrored draws, 1 - u, mirror the noise.
+    """
+    first, second = seeded(u[0], u[1])
+    side = 1.0 if u[0] < 0.5 else -1.0
+    x, y = 0.0, 0.0
+    nearest = following(positions, heard, NOT_FOUND)
+    while nearest != NOT_FOUND:
+        for j in range(len(heard)):
+            here = positions[j, 0] == positions[nearest, 0] and positions[j, 1] == positions[nearest, 1]
+            if heard[j] and here:
+                first, second, uniform = drawn(first, second)
+                angle = side * noise_rad * normal(uniform)
+                error = math.atan2(noise * math.sin(angle), 1.0 + noise * math.cos(angle))
+                x += math.cos(headings[j] + error)
+                y += math.sin(headings[j] + error)
+        nearest = following(positions, heard, nearest)
+    if math.hypot(x, y) < NEGLIGIBLE:
+        return 0.0, 0.0
+    return unit(x, y)
+
+
 def law(
     own: Own,
     members: Members,
@@ -93,10 +133,10 @@ def law(
 ) -> Motion:
     """Heading: alignment and proximal control; the speed falls with the turn."""
     heard, hx, hy = kobots.alignment(members.headings, sets[0])
-    if heard > 0:
-        angle = parameters.noise_rad * normal(u[0])
-        error = math.atan2(parameters.noise * math.sin(angle), 1.0 + parameters.noise * math.cos(angle))
-        hx, hy = rotated(hx, hy, error)
+    if heard > 0 and parameters.noise > 0.0:
+        hx, hy = noisy_alignment(
+            members.positions, members.headings, sets[0], parameters.noise, parameters.noise_rad, u
+        )
     sensed, px, py = kobots.proximal(members.positions, sets[1], obstacles.points, parameters)
     weight = parameters.proximal_weight
     bearing, speed = kobots.steered(hx + weight * px, hy + weight * py, parameters.speed_m_s)

@@ -7,7 +7,7 @@ Heading(t + dt) = atan2(mean sin, mean cos) over the neighbours and oneself + a 
 Needs positions (to select) and headings. No neighbours: the mean is one's own heading, so the member goes on with
 noise alone. Headings that cancel out exactly: the member's own is kept.
 
-The publication moves a member by its old velocity and then turns it; here it turns and then moves (`FILLED`).
+The publication moves a member by its old velocity and then turns it: the `forward` updating of the law's own herd.
 """
 
 from __future__ import annotations
@@ -39,13 +39,8 @@ FILLED = (
         "table A.1 does not say that the member itself belongs to the mean",
         "it does, as in the publication",
     ),
-    Filled(
-        "physical motion",
-        "the publication moves a member by its old velocity and then turns it",
-        "it turns and then moves by the new one, as everywhere in the kinematic herd",
-    ),
 )
-HERD = Herd(spacing_m=0.5, speed_m_s=0.03, dt_s=1.0, space="periodic")
+HERD = Herd(spacing_m=0.5, speed_m_s=0.03, dt_s=1.0, space="periodic", updating="forward")
 CREATE = {"range_m": 2.0, "speed_m_s": 0.25}
 
 

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from flocking import found, lawentry, selection
-from flocking.angles import wrap
+from flocking.angles import LAST, wrap, wrapped
 from flocking.errors import InputError
 from flocking.parameters import Parameter, filled, relation
 from flocking.types import members_at
@@ -84,6 +84,18 @@ class TestAngles:
     def test_the_interval_is_half_open(self) -> None:
         assert wrap(math.pi) == -math.pi
         assert wrap(-math.pi) == -math.pi
+
+    @pytest.mark.parametrize("angle", [np.nextafter(-math.pi, -10.0), -3.0 * math.pi, -1e-16 - math.pi, 1e9, -1e9])
+    def test_no_rounding_leads_out_of_the_interval(self, angle: float) -> None:
+        for turned in (wrap(angle), wrap.py_func(angle), float(wrapped(np.array([angle]))[0])):
+            assert -math.pi <= turned <= LAST < math.pi
+
+    def test_half_a_turn_less_a_rounding_is_just_below_half_a_turn(self) -> None:
+        assert wrap(float(np.nextafter(-math.pi, -10.0))) == LAST
+
+    def test_of_an_array_it_is_that_of_each(self) -> None:
+        angles = np.array([-7.0, -math.pi, -0.1, 0.0, 3.0, math.pi, 4.0, 100.0])
+        assert wrapped(angles).tolist() == pytest.approx([wrap(angle) for angle in angles.tolist()], abs=1e-14)
 
 
 class TestSelection:

@@ -77,6 +77,10 @@ def successive(law: Law, scene: Scene, change: Callable[[World], World], known: 
         world = world._replace(positions=world.positions + world.velocities * scene.dt_s, headings=turned)
 
 
+def _as_it_is(world: World) -> World:
+    return world
+
+
 def assert_same(found: Moved, expected: Moved, matrix: Floats, tolerance: float = ROUNDING) -> None:
     assert (found.kind, found.rule) == (expected.kind, expected.rule)
     turned = matrix @ expected.vector
@@ -86,7 +90,7 @@ def assert_same(found: Moved, expected: Moved, matrix: Floats, tolerance: float 
 
 def assert_transforms(law: Law, matrix: Floats, shift: Floats) -> None:
     for scene in scenes(law):
-        here = successive(law, scene, lambda world: world, law.needs)
+        here = successive(law, scene, _as_it_is, law.needs)
         there = successive(law, scene, lambda world: transformed(world, matrix, shift), law.needs)
         for before, after in zip(here, there, strict=True):
             assert_same(after, before, matrix)
@@ -275,12 +279,13 @@ class TestDeclares:
 
     @staticmethod
     def differs(law: Law, scene: Scene, need: str) -> bool:
-        told = ask(law, inputs(law, scene))
+        told = [(*motion[:2], *motion.vector, motion.speed) for motion in successive(law, scene, _as_it_is, law.needs)]
         try:
-            untold = ask(law, inputs(law, scene, known=law.needs - {need}))
+            found = successive(law, scene, _as_it_is, law.needs - {need})
+            untold = [(*motion[:2], *motion.vector, motion.speed) for motion in found]
         except (ValueError, ZeroDivisionError, SystemError):
             return True
-        return told != pytest.approx(untold, nan_ok=True)
+        return any(one != pytest.approx(other, nan_ok=True) for one, other in zip(told, untold, strict=True))
 
     def test_sources(self, law: Law) -> None:
         assert "Source:" in (law.module.__doc__ or "")

@@ -28,6 +28,10 @@ STAGES = {
 }
 METHODS = {"M": "mathematical", "S": "simulation", "P": "physical"}
 NONE = "-"
+REMARKS = {"NO_ROW": "no row there", "REMARK": "remark"}
+"""What a law's file may say of its rows, and what it is called here."""
+OURS = "*"
+"""In the last column: the row is ours."""
 LEGEND = (
     "open: what the authors left undefined, by stage (S sensing, D member detection, N neighbour selection, "
     "M motion computation, P physical motion); !: misprints of the document. How each is filled: below."
@@ -96,6 +100,15 @@ def filled_in(law: ModuleType) -> tuple[Filled, ...]:
     return tuple(getattr(law, "FILLED", ()))
 
 
+def remarks(names: Sequence[str] = ()) -> str:
+    """Why the rows of some laws are ours, and what else their files say of their rows; a line each."""
+    laws = {name: lawentry.module_of(name) for name in names or lawentry.names()}
+    ours = [f"  {name}: {law.NO_ROW}" for name, law in laws.items() if hasattr(law, "NO_ROW")]
+    others = [f"  {name}: {law.REMARK}" for name, law in laws.items() if hasattr(law, "REMARK")]
+    parts = [f"{OURS}: the document's tables have no such row; it is ours", *ours] if ours else []
+    return "\n".join([*parts, *(["remarks", *others] if others else [])])
+
+
 def one_law(name: str) -> str:
     """A law in full. Raises `InputError`; a user's own file is checked first."""
     name = name.removesuffix("+")
@@ -141,6 +154,7 @@ def one_law(name: str) -> str:
             (
                 "kinematic herd",
                 f"{herd.spacing_m:g} m a member, {herd.speed_m_s:g} m/s, {herd.dt_s:g} s a step, {herd.space}"
+                + f", updated {herd.updating}"
                 + (f", {herd.leaders} of role 1" if herd.leaders else ""),
             )
         )
@@ -148,11 +162,13 @@ def one_law(name: str) -> str:
     if taxonomy is not None:
         facts += zip(("group", "mobility", "time", "avoids"), _taxonomy(taxonomy)[:4], strict=True)
         required = [field for field in taxonomy._fields[4:] if getattr(taxonomy, field)]
-        facts.append(("requires (table 3.2)", ", ".join(required) or NONE))
+        facts.append((f"requires ({_table(law, '3.2')})", ", ".join(required) or NONE))
     if validation is not None:
-        facts.append(("validated (table 3.4)", ", ".join(METHODS.get(letter, NONE) for letter in validation.method)))
+        methods = ", ".join(METHODS.get(letter, NONE) for letter in validation.method)
+        facts.append((f"validated ({_table(law, '3.4')})", methods))
         facts.append(("synchronous", "yes" if validation.synchronous else "no"))
         facts += [(field, getattr(validation, field)) for field in validation._fields[2:]]
+    facts += [(words, getattr(law, name)) for name, words in REMARKS.items() if hasattr(law, name)]
     parts.append(plain(Table("", ("", ""), facts)).strip("\n"))
     if filled_in(law):
         lines = [
@@ -186,7 +202,8 @@ def paragraphs(table: Table, width: int) -> str:
 def printed(shown: Sequence[Table], told: Table | None = None) -> str:
     """Tables for standard output, drawn on a terminal and plain elsewhere; `told` follows in paragraphs."""
     if sys.stdout is None or not sys.stdout.isatty():
-        return "\n\n".join([*map(plain, shown), LEGEND, *([paragraphs(told, PLAIN_WIDTH)] if told else [])])
+        legends = [text for text in (LEGEND, remarks()) if text]
+        return "\n\n".join([*map(plain, shown), *legends, *([paragraphs(told, PLAIN_WIDTH)] if told else [])])
     from rich import box
     from rich.console import Console
     from rich.table import Table as Drawn
@@ -203,10 +220,15 @@ def printed(shown: Sequence[Table], told: Table | None = None) -> str:
             for row in table.rows:
                 drawn.add_row(*(Text(SHORT.get(cell, cell) if narrow else cell) for cell in row))
             console.print(drawn)
-        console.print(Text(LEGEND))
+        console.print(Text(f"{LEGEND}\n\n{remarks()}"))
         if told:
             console.print(Text(f"\n{paragraphs(told, console.width)}"))
     return capture.get().rstrip("\n")
+
+
+def _table(law: ModuleType, number: str) -> str:
+    """Whose row it is."""
+    return f"ours, not in table {number}" if hasattr(law, "NO_ROW") else f"table {number}"
 
 
 def _taxonomy(row: Taxonomy | None) -> tuple[str, ...]:
@@ -222,12 +244,13 @@ def _validation(row: Validation | None) -> tuple[str, ...]:
 
 
 def _open(law: ModuleType) -> str:
-    """Marks of the stages that were left undefined, and of misprints."""
+    """Marks of the stages that were left undefined, of misprints, and of rows that are ours."""
     found = filled_in(law)
     counts = Counter(STAGES[filled.stage] for filled in found if not filled.misprint)
     marks = [f"{mark}{counts[mark] if counts[mark] > 1 else ''}" for mark in STAGES.values() if counts[mark]]
     misprints = sum(filled.misprint for filled in found)
-    return " ".join([*marks, *([f"!{misprints if misprints > 1 else ''}"] if misprints else [])])
+    of_row = [OURS] if hasattr(law, "NO_ROW") else []
+    return " ".join([*marks, *([f"!{misprints if misprints > 1 else ''}"] if misprints else []), *of_row])
 
 
 def _of_selections(law: ModuleType) -> frozenset[str]:

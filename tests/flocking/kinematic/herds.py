@@ -75,10 +75,11 @@ def run(
     dt_s: float = 1.0,
     every: int = 1,
     synchronous: bool = True,
+    forward: bool = False,
     seed: int = 0,
     **more: Any,
 ) -> History:
-    schedule = Schedule(dt_s, steps, every, synchronous)
+    schedule = Schedule(dt_s, steps, every, synchronous, forward)
     return simulate(bands, starts, schedule, rng=np.random.default_rng(seed), **more)
 
 

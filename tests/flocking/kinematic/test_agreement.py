@@ -129,6 +129,11 @@ CASES = [
 ]
 
 
+def forward(law: lawentry.Law) -> bool:
+    """Whether the law's own herd moves by the old velocities."""
+    return law.herd.updating == "forward"
+
+
 def copied(bodies: Bodies) -> Bodies:
     return Bodies._make(array.copy() for array in bodies)
 
@@ -150,7 +155,10 @@ def recorded(scene: Scene) -> list[tuple[Bodies, list[np.ndarray], Bodies]]:
     for start in range(scene.starts):
         rng = np.random.default_rng(start)
         moved = scene.poses_w + rng.normal(0.0, 0.3 * scene.bands[0].law.herd.spacing_m, scene.poses_w.shape)
-        herd = KinematicHerd(scene.bands, moved, scene.space, scene.graph, scene.dt, np.random.default_rng(start))
+        rng = np.random.default_rng(start)
+        herd = KinematicHerd(
+            scene.bands, moved, scene.space, scene.graph, scene.dt, rng, forward=forward(scene.bands[0].law)
+        )
         herd.start(None, scene.bands[0].law.herd.speed_m_s)
         for step in range(scene.steps):
             herd.law_rng = np.random.default_rng([start, step])
@@ -174,12 +182,13 @@ def plain_steps(data: Given) -> dict[tuple[str, str], list[Bodies]]:
         found[kind, name] = []
         for k, (state, draws) in enumerate(states):
             around = (scene.dt, scene.period, scene.graph, scene.walls)
+            updating = forward(scene.bands[0].law)
             turns, numbers = [scene.judged], draws
             if not scene.synchronous:  # each on what the others have left; draws are in the order of the turns
                 order = order_of(scene, *divmod(k, scene.steps))
                 turns, numbers = [[int(i)] for i in order], [draws[0][np.argsort(order)]]
             for who in turns:
-                state = plain.step(scene.bands, state, numbers, *around, who)
+                state = plain.step(scene.bands, state, numbers, *around, who, updating)
             found[kind, name].append(state)
     return found
 

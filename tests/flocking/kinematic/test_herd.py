@@ -253,6 +253,33 @@ class TestMotion:
         assert_allclose(history.velocities_w[:, 0, 0], 1.0 + 0.2 * steps, atol=ROUNDING)
         assert_allclose(history.positions_w[:, 0, 0], 0.1 * steps + 0.01 * steps * (steps + 1), atol=ROUNDING)
 
+    def test_updating_forward_positions_change_by_the_old_velocities(self) -> None:
+        """Explicit Euler: x(t + dt) = x(t) + v(t) dt."""
+        given = {"kind": 5, "x": 2.0}
+        history = run(told(1, given), poses([[0.0, 0.0]]), 10, dt_s=0.1, speeds_m_s=1.0, forward=True)
+        steps = np.arange(11)
+        assert_allclose(history.velocities_w[:, 0, 0], 1.0 + 0.2 * steps, atol=ROUNDING)
+        assert_allclose(history.positions_w[:, 0, 0], 0.1 * steps + 0.01 * steps * (steps - 1), atol=ROUNDING)
+
+    @pytest.mark.parametrize("synchronous", [True, False])
+    def test_updating_forward_members_of_constant_speed_lag_a_step_behind(self, synchronous: bool) -> None:
+        turning = told(3, {"kind": 4, "x": 0.3, "y": 0.5})
+        start = poses([[0.0, 0.0], [40.0, 0.0], [0.0, 40.0]], 0.2)
+        one, other = (
+            run(turning, start, 9, speeds_m_s=0.5, synchronous=synchronous, forward=forward)
+            for forward in (False, True)
+        )
+        assert_allclose(other.headings_w, one.headings_w, atol=ROUNDING)
+        first = 0.5 * np.array([math.cos(0.2), math.sin(0.2)])
+        assert_allclose(other.positions_w[1:], one.positions_w[:-1] + first, atol=ROUNDING)
+
+    def test_updating_forward_a_wall_stops_the_old_velocity(self) -> None:
+        fast = told(1, {"kind": 5, "x": 1.0})
+        history = run(fast, poses([[9.5, 5.0]]), 30, dt_s=0.1, speeds_m_s=1.0, space=SQUARE, forward=True)
+        assert history.positions_w[:, 0, 0].max() <= 10.0
+        # what is taken up after the wall has stopped it: one step's change
+        assert history.velocities_w[-1, 0, 0] == pytest.approx(0.1, abs=ROUNDING)
+
     def test_stop_and_hold(self) -> None:
         start = poses([[0.0, 0.0]], 0.5)
         stopped = run(told(1, {"kind": 1}), start, 3, speeds_m_s=1.0)

@@ -182,6 +182,14 @@ class TestWeightedHorizon:
         # weights 1 / (1 + 1e9 d) differ from 1e-9 / d by parts in 1e9
         assert_allclose(steep, bearing / np.hypot(*bearing), atol=1e-8)
 
+    def test_as_printed_farther_members_pull_more_and_with_unit_vectors_nearer_ones(self) -> None:
+        positions = [[1.0, 0.0], [0.0, 100.0]]
+        near, far = 1.0 / 1.375, 1.0 / 38.5
+        printed, units = (moved(decide("viscido-lch", positions, unit_vectors=flag)) for flag in (False, True))
+        assert_allclose(printed, np.array([near, 100.0 * far]) / math.hypot(near, 100.0 * far), atol=EXACT)
+        assert_allclose(units, np.array([near, far]) / math.hypot(near, far), atol=EXACT)
+        assert (near, 100.0 * far) == pytest.approx((0.73, 2.6), abs=0.005)
+
 
 LCH = ["lch-group-pose", "lch-member-pose", "lch-group-bearing", "lch-member-bearing"]
 
@@ -334,17 +342,33 @@ class TestDynamicsOfHerds:
 class TestEffectiveLeadership:
     """Couzin et al. 2005."""
 
-    def test_repulsion_has_the_highest_priority(self) -> None:
-        motion = decide(
-            "couzin",
-            [[0.5, 0.5], [4.0, 0.0]],
-            velocities=[[1.0, 0.0]] * 2,
-            goal=(FAR, 0.0),
-            u=0.5,
-            turn_limit_rad_s=100.0,
-        )
+    CROWDED = ([[0.5, 0.5], [4.0, 0.0]], [[1.0, 0.0]] * 2)
+    """Places and velocities: one too near, one within the range of attraction."""
+
+    def test_repulsion_has_priority_over_attraction_and_alignment(self) -> None:
+        places, velocities = self.CROWDED
+        motion = decide("couzin", places, velocities=velocities, u=0.5, turn_limit_rad_s=100.0)
         assert rule("couzin", motion) == "apart"
         assert motion.x == pytest.approx(-0.75 * math.pi, abs=EXACT)
+
+    def test_the_informed_weigh_in_their_direction_after_repulsion_too(self) -> None:
+        """Equation 3 has no condition."""
+        motion = decide("couzin", [[-0.5, 0.0]], velocities=[[1.0, 0.0]], goal=(0.0, FAR), u=0.5)
+        assert rule("couzin", motion) == "informed and apart"
+        assert motion.x == pytest.approx(0.4, abs=EXACT)  # atan2(0.5, 1), cut to 2 rad/s in 0.2 s
+        places, velocities = self.CROWDED
+        motion = decide("couzin", places, velocities=velocities, goal=(FAR, 0.0), u=0.5, turn_limit_rad_s=100.0)
+        half = math.sqrt(0.5)
+        assert motion.x == pytest.approx(math.atan2(-half, 0.5 - half), abs=EXACT)
+
+    def test_by_the_other_reading_the_direction_waits_while_somebody_is_too_near(self) -> None:
+        places, velocities = self.CROWDED
+        informed, not_informed = (
+            decide("couzin", places, velocities=velocities, goal=goal, u=0.5, repulsion_first=True)
+            for goal in ((0.0, FAR), (math.nan, math.nan))
+        )
+        assert rule("couzin", informed) == "apart"
+        assert informed == not_informed
 
     def test_attraction_alignment_and_the_own_direction_count_alike(self) -> None:
         motion = decide("couzin", [[0.0, 3.0]], velocities=[[0.0, -2.0]], u=0.5, turn_limit_rad_s=100.0)

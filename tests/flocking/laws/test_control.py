@@ -13,6 +13,7 @@ from scipy.integrate import quad
 
 from flocking import lawentry, selection
 from flocking.types import NO_OBSTACLES, Bools, Floats, Kind, Members, Motion, Obstacles, Own
+from trials.simulations.kinematic.fields import GroupNames
 
 ROUNDING = 1e-9
 """Sums of up to a hundred terms of size 1 to 100, each right to 1e-16, over up to a thousand steps."""
@@ -41,7 +42,7 @@ class Flock:
         self.dt = dt
         self.obstacles = NO_OBSTACLES
 
-    def decide(self, i: int, u: float = 0.5) -> Motion:
+    def decide(self, i: int, u: float | Floats = 0.5) -> Motion:
         others = np.arange(self.count) != i
         to_body = rotation(self.headings[i])
         near = (self.positions[others] - self.positions[i]) @ to_body
@@ -56,13 +57,14 @@ class Flock:
         velocity, heading, role = self.velocities[i] @ to_body, float(self.headings[i]), int(self.roles[i])
         own = Own(velocity, 0.0, heading, goal, np.zeros(2, dtype=np.bool_), self.dt, i, role)
         sets = np.array([selection.select(each, members, self.linked[i][others]) for each in self.steps])
-        return self.module.law(own, members, sets, self.obstacles, self.parameters, np.zeros(0), np.array([u]))
+        return self.module.law(own, members, sets, self.obstacles, self.parameters, np.zeros(0), np.atleast_1d(u))
 
     def world(self, i: int, motion: Motion) -> Floats:
         return rotation(self.headings[i]) @ np.array([motion.x, motion.y])
 
     def step(self, rng: np.random.Generator | None = None) -> None:
-        motions = [self.decide(i, 0.5 if rng is None else rng.random()) for i in range(self.count)]
+        draws = max(1, getattr(self.module, "DRAWS", 0))
+        motions = [self.decide(i, np.full(draws, 0.5) if rng is None else rng.random(draws)) for i in range(self.count)]
         for i, motion in enumerate(motions):
             if motion.kind == Kind.ACCELERATION:
                 self.velocities[i] += self.world(i, motion) * self.dt
@@ -162,6 +164,9 @@ class TestTanner:
 
 
 class TestJadbabaie:
+    def test_its_weight_exceeds_the_number_of_agents_of_a_herd_by_default(self) -> None:
+        assert lawentry.module_of("jadbabaie").Parameters().g > GroupNames().count
+
     def flock(self, name: str, **parameters: float) -> Flock:
         flock = Flock(name, np.column_stack([0.8 * np.arange(8), np.zeros(8)]), dt=1.0, speed_m_s=1e-9, **parameters)
         flock.headings = np.random.default_rng(5).uniform(-1.4, 1.4, 8)
@@ -380,6 +385,43 @@ class TestKobots:
         assert self.pair(rest - 0.02).x < 0.0 < self.pair(rest + 0.02).x
         assert self.pair(0.4).x == 0.0
 
+    def noisy(self, count: int, u: Floats, mirrored: bool = False, order: Floats | None = None) -> float:
+        """The turn of a robot that hears so many with its own heading, all beyond the reach of its sensors."""
+        module = lawentry.module_of("turgut")
+        side = -1.0 if mirrored else 1.0
+        around = np.linspace(0.3, 5.0, count)
+        places = np.column_stack([np.cos(around), side * np.sin(around)]) * (1.0 + 0.1 * np.arange(count))[:, None]
+        headings = side * 0.1 * np.sin(around)
+        order = np.arange(count) if order is None else order
+        members = Members(
+            places[order], side * around[order], headings[order], np.zeros((count, 2)), np.full(count, -1)
+        )
+        parameters = module.Parameters(noise=0.5)
+        own = Own(np.zeros(2), 0.0, 0.0, np.full(2, np.nan), np.zeros(2, dtype=np.bool_), 0.1, 0, 0)
+        heard = np.array([[True], [False]]) & np.ones(count, dtype=np.bool_)
+        motion = module.law(own, members, heard, NO_OBSTACLES, parameters, np.zeros(0), u)
+        return float(motion.x)
+
+    def test_noise_of_each_heading_averages_out_over_those_heard(self) -> None:
+        draws = np.random.default_rng(16).random((3000, 2))
+        angle = np.random.default_rng(17).normal(0.0, math.pi / 2.0, 200_000)
+        error = np.arctan2(0.5 * np.sin(angle), 1.0 + 0.5 * np.cos(angle))
+        for count in (1, 40):
+            turns = [self.noisy(count, u) for u in draws]
+            # of many: the sum of sines over that of cosines; the headings themselves have a mean of nearly 0
+            expected = (
+                np.std(error) if count == 1 else np.std(np.sin(error)) / np.mean(np.cos(error)) / math.sqrt(count)
+            )
+            # four standard errors of a standard deviation of 3000, and a share of 1 / count for what is left out
+            assert np.std(turns) == pytest.approx(expected, rel=4.0 / math.sqrt(6000.0) + (count > 1) / count)
+
+    def test_its_noise_is_mirrored_with_the_world_and_knows_no_order(self) -> None:
+        rng = np.random.default_rng(18)
+        for u in rng.random((20, 2)):
+            turn = self.noisy(9, u)
+            assert self.noisy(9, 1.0 - u, mirrored=True) == pytest.approx(-turn, abs=ROUNDING)
+            assert self.noisy(9, u, order=rng.permutation(9)) == pytest.approx(turn, abs=ROUNDING)
+
     def test_headings_align_and_noise_keeps_them_apart(self) -> None:
         ordered = []
         for noise in (0.0, 3.0):
@@ -421,13 +463,21 @@ class TestKobots:
 class TestHauert:
     def test_robots_with_a_common_goal_flock_at_their_fixed_speed(self) -> None:
         flock = Flock("hauert", scattered(10, 15.0, 80.0, 15), dt=0.1)
-        flock.goals[:] = [1e6, 0.0]
+        flock.goals[:] = [800.0, 40.0]  # 300 m nearer after half a minute
         flock.velocities = 10.0 * np.column_stack([np.cos(flock.headings), np.sin(flock.headings)])
         flock.run(300)
         assert_allclose(np.hypot(*flock.velocities.T), 10.0, atol=ROUNDING)
         assert flock.polarization() > 0.95
         assert np.mean(np.cos(flock.headings)) > 0.9
         assert spread(flock.positions) < 100.0
+
+    def test_the_weights_are_published_and_migration_takes_the_whole_vector(self) -> None:
+        flock = Flock("hauert", [[0.0, 0.0], [20.0, 0.0]], dt=0.1, turn_rate_rad_s=1e3)
+        flock.headings[:] = 0.0
+        flock.velocities[1] = [0.0, 10.0]
+        flock.goals[0] = [0.0, 250.0]
+        # separation and cohesion along x; alignment, and half of a unit of migration, along y
+        assert flock.decide(0).x == pytest.approx(math.atan2(1.0 + 250.0 / 500.0, 1.0 - 1.2), abs=ROUNDING)
 
     def test_no_turn_is_faster_than_the_turning_rate(self) -> None:
         flock = Flock("hauert", [[0.0, 0.0], [30.0, 0.0]], dt=0.1, turn_rate_rad_s=0.5)

@@ -288,10 +288,26 @@ class TestSzabo:
             expected = math.atan2(wanted[1], wanted[0]) + own_turn
             assert_allclose(directions(herd.headings[2]), directions(expected), atol=ROUNDING)
 
-    def test_accelerations_passed_on_too_strongly_undo_the_order(self) -> None:
+    def test_with_ids_it_is_the_mean_of_each_neighbours_own_acceleration(self) -> None:
+        herd = crowd("szabo_ids", 25, side=3.0, velocity_share=0.3, noise=0.0)
+        before, came = herd.velocities.copy(), 0
+        near = np.eye(25, dtype=bool)
+        for _ in range(20):
+            gaps = np.hypot(*(herd.positions[:, None] - herd.positions[None]).transpose(2, 0, 1))
+            came += int((~near & (gaps < 1.0)).sum())
+            near = gaps < 1.0  # the member itself among them
+            share = near / near.sum(axis=1, keepdims=True)
+            wanted = 0.3 * share @ herd.velocities + 0.7 * share @ (herd.velocities - before)
+            before = herd.velocities.copy()
+            herd.step()
+            assert_allclose(directions(herd.headings), wanted / np.linalg.norm(wanted, axis=1)[:, None], atol=1e-7)
+        assert came > 100  # of whom each was known already
+
+    @pytest.mark.parametrize("name", ["szabo", "szabo_ids"])
+    def test_accelerations_passed_on_too_strongly_undo_the_order(self, name: str) -> None:
         orders = []
         for share in (0.1, 0.6):
-            herd = crowd("szabo", 60, side=8.0, velocity_share=share)
+            herd = crowd(name, 60, side=8.0, velocity_share=share)
             herd.side = 8.0
             herd.run(60)
             orders.append(herd.mean_order(60))

@@ -22,7 +22,7 @@ class TestHelbing:
     QUIET: ClassVar[dict[str, float]] = {"fluctuation": 0.0, "attraction_m_s2": 0.0}
 
     def test_a_walker_alone_reaches_its_desired_speed_exponentially(self) -> None:
-        dt, tau = 0.001, 0.5
+        dt, tau = 0.001, 1.0
         history = run("helbing", np.zeros((1, 3)), steps=2000, dt=dt, given=self.QUIET, goals_w=np.array([[1e6, 0.0]]))
         # explicit steps of an exponential: relative error of dt / tau
         assert_allclose(
@@ -30,8 +30,8 @@ class TestHelbing:
         )
 
     def test_beside_each_other_push_and_pull_balance_at_the_equilibrium_distance(self) -> None:
-        given = {"repulsion_m_s2": 3.0, "repulsion_range_m": 0.2, "diameter_m": 0.6, "anisotropy": 0.5}
-        distance = 0.6 + 0.2 * math.log(3.0 * 0.75 / 0.1)
+        given = {"repulsion_m_s2": 3.0, "repulsion_range_m": 0.2, "diameter_m": 0.6}
+        distance = 0.6 + 0.2 * math.log(3.0 / 0.1)
         sideways = [
             ask("helbing", [[0.0, d]], own_velocity=(1.34, 0.0), fluctuation=0.0, attraction_m_s2=0.1, **given)[0].y
             for d in (distance - 0.01, distance, distance + 0.01)
@@ -39,12 +39,22 @@ class TestHelbing:
         assert sideways[1] == pytest.approx(0.0, abs=ROUNDING)
         assert sideways[0] < 0.0 < sideways[2]
 
-    def test_what_is_behind_counts_lambda_times_what_is_ahead(self) -> None:
-        ahead, behind = (
-            ask("helbing", [[x, 0.0]], own_velocity=(1.34, 0.0), anisotropy=0.3, **self.QUIET)[0].x for x in (1.0, -1.0)
+    def test_the_published_repulsion_is_the_same_all_around(self) -> None:
+        for angle in (0.0, 1.0, 2.0, math.pi):
+            place = 0.8 * np.array([math.cos(angle), math.sin(angle)])
+            motion, _ = ask("helbing", [place], own_velocity=(1.34, 0.0), **self.QUIET)
+            # diameter 0.6 m, A2 3 m/s², B2 0.2 m
+            assert_allclose([motion.x, motion.y], -3.0 * math.exp(-1.0) * place / 0.8, atol=ROUNDING)
+
+    def test_of_the_anisotropic_repulsion_what_is_behind_counts_lambda_times_what_is_ahead(self) -> None:
+        given = {**self.QUIET, "repulsion_m_s2": 0.0, "anisotropic_m_s2": 3.0, "anisotropy": 0.3}
+        ahead, aside, behind = (
+            ask("helbing", [[x, y]], own_velocity=(1.34, 0.0), **given)[0]
+            for x, y in ((0.8, 0.0), (0.0, 0.8), (-0.8, 0.0))
         )
-        assert ahead < 0.0
-        assert behind == pytest.approx(-0.3 * ahead)
+        assert ahead.x == pytest.approx(-3.0 * math.exp(-1.0))
+        assert aside.y == pytest.approx(0.65 * ahead.x)
+        assert behind.x == pytest.approx(-0.3 * ahead.x)
 
     def test_a_wall_pushes_away_from_its_nearest_point(self) -> None:
         motion, rule = ask("helbing", obstacles=[[0.0, 0.5]], own_velocity=(1.34, 0.0), **self.QUIET)
@@ -105,6 +115,22 @@ class TestOpenSteer:
         assert ask("reynolds-opensteer", [ahead], 1.0)[0].x == pytest.approx(8.0)
         assert ask("reynolds-opensteer", [behind])[1] == "none"
         assert ask("reynolds-opensteer")[0].kind == Kind.HOLD
+
+    @pytest.mark.parametrize(
+        ("cosine", "distance", "heading"), [(-0.707, 4.0, 0.0), (0.7, 7.0, 1.0), (-0.15, 8.0, 0.0)]
+    )
+    def test_the_angles_are_those_of_the_published_cosines(
+        self, cosine: float, distance: float, heading: float
+    ) -> None:
+        """Separation, alignment and cohesion, each beyond the others' reach or with them silent."""
+        weights = {-0.707: "separation_weight", 0.7: "alignment_weight", -0.15: "cohesion_weight"}
+        given = {name: 8.0 if key == cosine else 0.0 for key, name in weights.items()}
+        found = []
+        for beside in (cosine + 1e-6, cosine - 1e-6):
+            place = distance * np.array([beside, math.sqrt(1.0 - beside**2)])
+            motion, _ = ask("reynolds-opensteer", [place], heading, **given)
+            found.append(0.0 if motion.kind == Kind.HOLD else math.hypot(motion.x, motion.y))
+        assert found == pytest.approx([8.0, 0.0], abs=ROUNDING)
 
     @pytest.mark.parametrize("seed", range(3))
     def test_boids_come_to_fly_as_one_flock_at_the_separation_radius(self, seed: int) -> None:

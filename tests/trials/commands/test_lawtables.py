@@ -43,6 +43,21 @@ def test_what_was_left_open_is_marked_by_stage_and_told() -> None:
         assert bool(row[-1]) == bool(told)
 
 
+def test_rows_of_ours_are_marked_and_what_the_files_remark_is_printed(capsys, monkeypatch) -> None:
+    printed = run(capsys, monkeypatch, "laws")
+    for name in LAWS:
+        law = lawentry.module_of(name)
+        ours = getattr(law, "NO_ROW", "")
+        rows = [line for line in printed.splitlines() if line.split()[:1] == [name] and len(line.split()) > 5]
+        marked = [line for line in rows if line.endswith(f" {lawtables.OURS}")]
+        assert len(marked) == (2 if ours else 0), name
+        for said in (ours, getattr(law, "REMARK", "")):
+            if said:
+                assert f"  {name}: {said}" in printed
+                assert said in lawtables.one_law(name)
+        assert ("not in table 3.2" in lawtables.one_law(name)) == bool(ours)
+
+
 @pytest.mark.parametrize("name", LAWS)
 def test_one_law_in_full(name: str) -> None:
     law = lawentry.module_of(name)
@@ -76,7 +91,9 @@ def test_a_terminal_is_drawn_a_table_a_line_a_law(width: int, word: str, monkeyp
     assert "─" in drawn
     assert "─" not in plain
     assert "homogeneous" in plain
-    lines = drawn.splitlines()
+    head = lawtables.remarks().splitlines()[0]
+    lines = drawn.partition(head)[0].splitlines()
+    assert len(lines) < len(drawn.splitlines())
     assert any(word in line for line in lines)
     for name in LAWS:
         assert sum(f" {name} " in f" {line} " for line in lines) == 2

@@ -1,6 +1,7 @@
 """The parameters of a kinematic trial and of its groups, with units and sources; how trials and groups are made.
 
-A value of nan, or −1 leaders, is left open: it is then that of the herd which the law declares (`HERD` in its file).
+A value of nan, `own`, or −1 leaders, is left open: it is then that of the herd which the law declares (`HERD` in its
+file).
 """
 
 from __future__ import annotations
@@ -23,6 +24,8 @@ from trials.types import Group, Trial, Value
 NAME = "kinematic"
 OPEN = math.nan
 """A value that is left to the law's own herd."""
+OWN = "own"
+"""A text that is left to the law's own herd."""
 OWN_LEADERS = -1
 """A number of leaders that is left to the law's own herd."""
 LEADER = 1
@@ -30,7 +33,7 @@ LEADER = 1
 NO_LIMIT = 0.0
 """A speed, turn rate or range without a limit."""
 DETECTIONS = ("perfect", "member-based", "member-extrapolated", "sensor-based")
-OWN_SPACE = "own"
+OWN_SPACE = OWN
 """Names the world of the law's own herd."""
 SPACES = (OWN_SPACE, "unbounded", "bounded", "periodic", "obstacles")
 FORMATIONS = ("uniform", "single-group", "split-group", "triangular-lattice", "square-lattice", *lattice_starts.NAMES)
@@ -47,6 +50,14 @@ class TrialFields(NamedTuple):
     synchronous: Annotated[
         bool, Parameter("", "false: one after the other within a step, in an order drawn anew (section 9.1.1)")
     ] = True
+    updating: Annotated[
+        str,
+        Parameter(
+            "",
+            f"backward: velocities change, then positions by them; forward: positions by the old velocities; {_LAW}",
+            choices=(OWN, "backward", "forward"),
+        ),
+    ] = OWN
     keeps_way: Annotated[
         bool, Parameter("", "a choice; false: once all is measured, only the first and the last moment are kept")
     ] = True
@@ -285,6 +296,7 @@ def of_trial(trial: Trial) -> TrialFields:
     return fields._replace(
         timestep_s=_closed(fields.timestep_s, own.dt_s),
         cut_m=_closed(fields.cut_m, own.spacing_m),
+        updating=own.updating if fields.updating == OWN else fields.updating,
     )
 
 

@@ -54,11 +54,13 @@ def simulated(trial: Trial, herd: Herd, every: int) -> History:
     """The history of a trial's herd; one step in `every` is kept. Raises `LawFailedError`."""
     import flocking.kinematic.kernel  # noqa: F401 (its import compiles it: here, since no watch is on yet)
 
+    given = herd.fields
+    schedule = Schedule(given.timestep_s, given.steps, every, given.synchronous, given.updating == "forward")
     with watch.watched():
         return simulate(
             herd.bands,
             herd.poses_w,
-            Schedule(herd.fields.timestep_s, herd.fields.steps, every, herd.fields.synchronous),
+            schedule,
             rng=stream(trial.seed, trial.repeat, 1, 0, Purpose.LAW),
             space=herd.space,
             speeds_m_s=herd.speeds,

@@ -10,6 +10,7 @@ import math
 import numpy as np
 
 from flocking import selection
+from flocking.angles import wrapped
 from flocking.types import Bools, Floats, Ints, Kind, Members
 from trials.simulations.robots.resolved import Resolved
 from trials.types import TrialResult, Updates
@@ -54,7 +55,7 @@ def _blind_turn(updates: Updates) -> float:
     first = np.append(True, robots[1:] != robots[:-1])[: len(robots)]
     since = np.maximum.accumulate(np.where(seeing | first, np.arange(len(robots)), 0))
     settled = (robots[1:] == robots[:-1]) & ~seeing[:-1] & (times[:-1] - times[since[:-1]] >= SETTLED_S - 1e-9)
-    turned = (headings[1:] - headings[:-1] + math.pi) % (2.0 * math.pi) - math.pi
+    turned = wrapped(headings[1:] - headings[:-1])
     passed = times[1:][settled] - times[:-1][settled]
     return float((np.abs(turned[settled]) / passed).mean()) if settled.any() else math.nan
 

@@ -99,7 +99,7 @@ def figures(run: Run, folder: Path) -> list[Figure]:
     canvas = curves(panels, "share of informed members", bounds=(-1.02, 1.02))
     caption = (
         "Mean over the repeats with its 95 % interval, at the shares that whole members make. As figure 1 of "
-        "Couzin et al. 2005; the speed is a choice, and decides."
+        "Couzin et al. 2005; the speed is a choice."
     )
     return [draw.save(canvas, folder, "accuracy", "Accuracy against the share of informed members", caption)]
 

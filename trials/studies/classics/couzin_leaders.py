@@ -18,7 +18,7 @@ CONDITIONS = {
     SPEED: (1.0, 3.0),
 }
 SOURCES = {
-    SPEED: Parameter("m/s", "not in the document, and it decides: 3 is that of Couzin et al. 2002, 1 a unit a second"),
+    SPEED: Parameter("m/s", "not in the document: 3 is that of Couzin et al. 2002, 1 a unit a second"),
     "herd.count": Parameter("members", "Couzin et al. 2005, figure 1", published=True),
     "cut_m": Parameter("m", "the range of interaction: groups farther apart do not know of one another"),
     "steps": Parameter("", "a choice"),

@@ -22,6 +22,7 @@ from trials.types import Trial
 
 EXACT = 1e-9
 """Relative error of sums over a few hundred steps in double precision."""
+ORDERS = ("own", "backward", "forward")
 FAILING = '''
 import math
 from typing import NamedTuple
@@ -219,9 +220,25 @@ class TestKeys:
         other = {row.key: row.value for row in keys.rows(keys.put(one, "herd.law", "couzin"))}
         assert (other["timestep_s"], other["formation.spacing_m"]) == (0.2, 1.5)
 
+    def test_a_herd_updates_as_its_laws_publication_unless_told_otherwise(self) -> None:
+        turning = {"law_parameters": {"noise_rad": 1.0}}
+        one = trial("test", 1, [group("vicsek", 9, **turning)], steps=5, world="unbounded")
+        shown = {row.key: row.value for row in keys.rows(one)}
+        assert shown["updating"] == "forward"
+        assert {row.key: row.value for row in keys.rows(keys.put(one, "herd.law", "couzin"))}["updating"] == "backward"
+        ways = {order: simulations.run_trial(keys.put(one, "updating", order)).poses_w for order in ORDERS}
+        assert np.array_equal(ways["own"], ways["forward"])
+        steps = {order: np.hypot(*np.diff(way[:, :, :2], axis=0).T) for order, way in ways.items()}
+        assert steps["forward"] == pytest.approx(0.03, rel=EXACT)
+        headings = ways["forward"][0, :, 2]
+        first = np.column_stack([np.cos(headings), np.sin(headings)])
+        assert ways["forward"][1, :, :2] - ways["forward"][0, :, :2] == pytest.approx(0.03 * first, abs=EXACT)
+        assert not np.isclose(ways["backward"][1, :, :2], ways["forward"][1, :, :2]).all()
+
     @pytest.mark.parametrize(
         ("key", "value", "expected"),
         [
+            ("updating", "backwards", "did you mean backward"),
             ("steps", 0, "at least 1|from 1"),
             ("step", 3, "did you mean steps"),
             ("world", "corridor", "unbounded or bounded"),
