@@ -18,7 +18,7 @@ import mujoco
 
 from flocking.errors import InputError, unknown_name
 from flocking.types import Bools, Floats, Ints, Kind
-from robots.physics import FLOOR_MASK, apply_options
+from robots.physics import FLOOR_MASK, apply_options, take_servos_implicitly
 
 HOME = Path(__file__).resolve().parent
 
@@ -134,6 +134,7 @@ def scene(body: Body) -> mujoco.MjSpec:
     floor.contype, floor.conaffinity = FLOOR_MASK, 0
     floor.rgba = (0.55, 0.57, 0.6, 1)
     world.worldbody.add_light(pos=(0, 0, 3), dir=(0, 0, -1))
+    take_servos_implicitly(world)
     return world
 
 

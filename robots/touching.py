@@ -29,28 +29,24 @@ def any_hull(pairs: Ints, owners: Ints) -> bool:
 
 
 @compiled
-def normal_force(row: int, dimension: int, efc_force: Floats) -> float:
+def normal_force(row: int, efc_force: Floats) -> float:
     """The normal force of a contact, N; 0 where the solver left it out.
 
-    row: its first in the solver's forces `efc_force` (nefc,), −1 = none; dimension: 1, or more with friction (a pyramid
-    of 2 (dimension − 1) edges, whose sum is the normal force).
+    row: its first in the solver's forces `efc_force` (nefc,), −1 = none. With an elliptic cone, as in
+    `physics.apply_options`, that one is the normal force; those of friction follow.
     """
-    force = 0.0
-    if row >= 0:
-        for edge in range(row, row + (1 if dimension == 1 else 2 * (dimension - 1))):
-            force += efc_force[edge]
-    return force
+    return efc_force[row] if row >= 0 else 0.0
 
 
 @compiled
 def begun(
-    pairs: Ints, points: Floats, rows: Ints, dimensions: Ints, efc_force: Floats, owners: Ints, last: Ints, tick: int,
-    release: int, found: Floats,
+    pairs: Ints, points: Floats, rows: Ints, efc_force: Floats, owners: Ints, last: Ints, tick: int, release: int,
+    found: Floats,
 ) -> int:  # fmt: skip
     """Touches that began in this step: writes them to `found`, and the tick of each pair's last touch to `last`.
 
-    pairs (C, 2), points (C, 3): geoms and places of all contacts, m; rows (C,), dimensions (C,), efc_force (nefc,): as
-    in `normal_force`; owners (ngeom,): robot 0 to N − 1, N for walls, or `UNOWNED`; last (N, N + 1): column N for
+    pairs (C, 2), points (C, 3): geoms and places of all contacts, m; rows (C,), efc_force (nefc,): as in
+    `normal_force`; owners (ngeom,): robot 0 to N − 1, N for walls, or `UNOWNED`; last (N, N + 1): column N for
     walls, the smaller robot in the row; release: ticks apart after which a touch is a new one; found (F, 4): rows
     robot, other (−1 = wall), x, y. Returns how many rows it wrote.
     """
@@ -60,7 +56,7 @@ def begun(
         first, second = owners[pairs[c, 0]], owners[pairs[c, 1]]
         if min(first, second) == UNOWNED or first == second:
             continue
-        if normal_force(rows[c], dimensions[c], efc_force) < FORCE:
+        if normal_force(rows[c], efc_force) < FORCE:
             continue
         low, high = min(first, second), max(first, second)
         if tick - last[low, high] > release and count < len(found):

@@ -76,7 +76,7 @@ class World:
     def _note_touches(self) -> None:
         contact, data = self.data.contact, self.data
         count = touching.begun(
-            contact.geom, contact.pos, contact.efc_address, contact.dim, data.efc_force, self._owners, self._last_touch,
+            contact.geom, contact.pos, contact.efc_address, data.efc_force, self._owners, self._last_touch,
             self.tick, self._release, self._began,
         )  # fmt: skip
         if count:
@@ -153,6 +153,7 @@ def specification(
     for kind, name, (x, y, heading) in zip(kinds, names, poses_w, strict=True):
         frame = spec.worldbody.add_frame(pos=[x, y, 0.0], quat=[math.cos(heading / 2), 0.0, 0.0, math.sin(heading / 2)])
         spec.attach(robots[kind.name], prefix=prefix(name), frame=frame)
+    physics.take_servos_implicitly(spec)
     return spec
 
 

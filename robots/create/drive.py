@@ -7,6 +7,7 @@ speed is that of each wheel). All that a Create is told goes through this: it ca
 
 from __future__ import annotations
 
+import math
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -68,15 +69,18 @@ def saturated(gear: Gear, speed: float, turn_rate: float) -> tuple[float, float]
 
 @compiled
 def meant(gear: Gear, velocity_mm_s: int, radius_mm: int) -> tuple[float, float]:
-    """The twist (m/s, rad/s) that a drive command asks for, slowed where its outer wheel would pass the limit.
+    """The twist (m/s, rad/s) that a drive command asks for, slowed where a wheel would pass the limit (`saturated`).
 
-    What the machine does with such a command is not documented; that it keeps the radius is our choice.
+    500 mm/s on a radius of 200 mm would need 0.82 m/s of the Create's outer wheel: it is driven at 0.304 m/s on the
+    same radius, the outer wheel at its limit of 0.5 m/s. The Open Interface's manual says no more than that "internal
+    and environmental restrictions may prevent Create from accurately carrying out some drive commands"; that the radius
+    stays is our choice.
     """
     velocity = 0.001 * velocity_mm_s
     if radius_mm in (STRAIGHT, ALSO_STRAIGHT):
-        return velocity, 0.0
+        return saturated(gear, velocity, 0.0)
     if radius_mm in (IN_PLACE_LEFT, IN_PLACE_RIGHT):
-        return 0.0, 2.0 * velocity * radius_mm / gear.axle_track
+        return saturated(gear, 0.0, 2.0 * velocity * radius_mm / gear.axle_track)
     if radius_mm == 0:
         return 0.0, 0.0
     return saturated(gear, velocity, velocity / (0.001 * radius_mm))
@@ -84,6 +88,7 @@ def meant(gear: Gear, velocity_mm_s: int, radius_mm: int) -> tuple[float, float]
 
 @compiled
 def _misfit(gear: Gear, velocity_mm_s: int, radius_mm: int, speed: float, turn_rate: float) -> float:
+    """By how much the wheel that is farther off misses its speed, m/s."""
     got_speed, got_turn_rate = meant(gear, velocity_mm_s, radius_mm)
     return abs(got_speed - speed) + 0.5 * gear.axle_track * abs(got_turn_rate - turn_rate)
 
@@ -92,26 +97,63 @@ def _misfit(gear: Gear, velocity_mm_s: int, radius_mm: int, speed: float, turn_r
 def nearest_command(gear: Gear, speed: float, turn_rate: float) -> tuple[int, int]:
     """The drive command (mm/s, mm) whose wheel speeds come nearest to those of a twist (m/s, rad/s).
 
-    Straight, in place and the arc are compared: so a radius beyond 4 m is driven straight, one between 2 and 4 m
-    with 2 m. Wheels too fast are slowed first, keeping the radius.
+    Nearest of all commands, in both numbers together: the greater miss of the two wheels is the least. So a radius
+    beyond 4 m is driven straight, one between 2 and 4 m with 2 m; and where whole millimetres of radius are coarse, the
+    speed gives way (0.0152 m/s at 2.003 rad/s, a radius of 7.6 mm, becomes 16 mm/s on 8 mm). A twist beyond the wheels'
+    limit is slowed first, keeping its radius, as `meant` slows a command.
     """
     speed, turn_rate = saturated(gear, speed, turn_rate)
-    velocity = round(1000.0 * speed)
-    best_velocity, best_radius = velocity, STRAIGHT
-    misfit = _misfit(gear, velocity, STRAIGHT, speed, turn_rate)
+    middle = round(1000.0 * speed)
+    best_velocity, best_radius = middle, STRAIGHT
+    misfit = _misfit(gear, middle, STRAIGHT, speed, turn_rate)
+    if turn_rate == 0.0:
+        return best_velocity, best_radius
     spin = round(500.0 * gear.axle_track * abs(turn_rate))
     side = IN_PLACE_LEFT if turn_rate > 0.0 else IN_PLACE_RIGHT
     candidate = _misfit(gear, spin, side, speed, turn_rate)
     if candidate < misfit:
         best_velocity, best_radius, misfit = spin, side, candidate
-    if velocity != 0 and turn_rate != 0.0:
-        exact = velocity / turn_rate
-        sign = 1 if exact > 0.0 else -1
-        radius = sign * round(min(max(abs(exact), 2.0), float(MAX_RADIUS_MM)))
+    # Arcs, from the nearest velocity outwards: one that is d off misses by d at the least, whatever its radius.
+    off = 0
+    while 0.001 * (off - 0.5) < misfit:
+        for velocity in (middle - off, middle + off):
+            if velocity == 0 or abs(velocity) > MAX_VELOCITY_MM_S:
+                continue
+            exact = velocity / turn_rate
+            for size in (float(math.floor(abs(exact))), float(math.ceil(abs(exact))), _tightest(gear, velocity)):
+                radius = _arc(exact, size)
+                candidate = _misfit(gear, velocity, radius, speed, turn_rate)
+                if candidate < misfit:
+                    best_velocity, best_radius, misfit = velocity, radius, candidate
+        off += 1
+    # Arcs with the outer wheel at its limit, where any greater velocity means the same: the inner wheel decides.
+    half = 0.5 * gear.axle_track
+    inner = abs(speed) - half * abs(turn_rate)
+    exact = 1000.0 * half * (gear.top_speed + inner) / (gear.top_speed - inner)
+    for size in (float(math.floor(exact)), float(math.ceil(exact))):
+        radius = _arc(speed * turn_rate, size)
+        velocity = math.ceil(1000.0 * gear.top_speed / (1.0 + half / (0.001 * abs(radius))))
+        velocity = min(velocity, MAX_VELOCITY_MM_S) if speed > 0.0 else -min(velocity, MAX_VELOCITY_MM_S)
         candidate = _misfit(gear, velocity, radius, speed, turn_rate)
         if candidate < misfit:
-            best_velocity, best_radius = velocity, radius
+            best_velocity, best_radius, misfit = velocity, radius, candidate
     return best_velocity, best_radius
+
+
+@compiled
+def _arc(signed: float, size: float) -> int:
+    """The radius of an arc (mm), of that size as far as a command can say it, and of the sign of `signed`."""
+    radius = int(min(max(size, 2.0), float(MAX_RADIUS_MM)))
+    return radius if signed > 0.0 else -radius
+
+
+@compiled
+def _tightest(gear: Gear, velocity_mm_s: int) -> float:
+    """The smallest radius (mm) that a velocity can be driven on without being slowed; inf = none."""
+    velocity = 0.001 * abs(velocity_mm_s)
+    if velocity >= gear.top_speed:
+        return math.inf
+    return float(math.ceil(500.0 * gear.axle_track * velocity / (gear.top_speed - velocity)))
 
 
 def encode(velocity_mm_s: int, radius_mm: int) -> bytes:

@@ -116,7 +116,7 @@ class Fleet:
         if not (near or self._pressed):
             return False
         self._pressed = _felt(
-            self._each, self._ring, self.root_bodies, self._hulls, pairs, contact.pos, contact.efc_address, contact.dim,
+            self._each, self._ring, self.root_bodies, self._hulls, pairs, contact.pos, contact.efc_address,
             data.efc_force, data.xpos, data.xmat, self.pressing,
         )  # fmt: skip
         return self._pressed
@@ -276,7 +276,7 @@ def _polled(each: Any, shared: Any, time: float, qpos: Floats, pairs: Ints, hull
 
 @compiled
 def _felt(
-    each: Any, rings: Any, roots: Ints, hulls: Ints, pairs: Ints, points: Floats, rows: Ints, dimensions: Ints,
+    each: Any, rings: Any, roots: Ints, hulls: Ints, pairs: Ints, points: Floats, rows: Ints,
     efc_force: Floats, xpos: Floats, xmat: Floats, pressing: Floats,
 ) -> bool:  # fmt: skip
     """The bumpers, from the contacts that the step has found. Whether any hull is pressed.
@@ -290,7 +290,7 @@ def _felt(
         for end in range(2):
             k = hulls[pairs[c, end]]
             if k != touching.UNOWNED:
-                force = touching.normal_force(rows[c], dimensions[c], efc_force)
+                force = touching.normal_force(rows[c], efc_force)
                 if force > 0.0:
                     root = roots[k]
                     bumpers.add(force, points[c], rings[0], xpos[root], xmat[root], pressing[k])

@@ -63,12 +63,12 @@ DARK = (0.1, 0.0)  # black plastic and rubber; ?
 # Drive --------------------------------------------------------------------------------------------
 MAX_SPEED = 0.5  # m/s of each wheel; P: Open Interface, drive command
 MAX_WHEEL_ACCELERATION = 0.9  # m/s² at the rim; C: Create 3 (none is published for the first generation)
-MAX_WHEEL_TORQUE = 0.4  # N m; ?: a little more than the tyre's grip, so that wheels spin at a wall
-WHEEL_SERVO_GAIN = 0.06  # N m s/rad; ?: follows within about 40 ms; explicit steps bound it (robots/physics.py)
+MAX_WHEEL_TORQUE = 0.45  # N m; ?: a little more than the grip of a tyre, pressed down as well by the friction at a wall
+WHEEL_SERVO_GAIN = 0.06  # N m s/rad; ?: follows within about 40 ms
 ROTOR_INERTIA = 5e-4  # kg m² at the wheel's axis, of motor and gear; ?
 TYRE_FRICTION = 0.6  # rubber on a smooth floor; ?
 BUMPER_FRICTION = 0.3  # plastic on paint; ?
-BUMPER_TRAVEL = 0.004  # m; ?: how far before the outline contact begins (see `BUMPER`)
+BUMPER_TRAVEL = 0.004  # m; ?: how far before the outline contact with a wall begins (see `BUMPER`)
 BUMPER_OVERLAP = 0.035  # m either side of the middle where both bits are set; ?: about 12 degrees
 
 
@@ -123,17 +123,25 @@ PARTS = (
     ),
 )
 
-# Contacts (MuJoCo's solref: time constant, at least twice the time step, and damping; solimp: impedance; margin:
-# the distance at which contact begins). The margins are what tyres and caster would sink in under their loads: so the
-# robot starts at rest, stands at z = 0, and its wheels roll on their nominal radius (a test reads this back). The
-# casters are softer, or braking would lift the front one for a step at a time. A slipping wheel hops by a fraction of
-# a millimetre: MuJoCo's convex friction couples sliding with lifting.
-TYRE = {"solref": (0.02, 1.0), "solimp": (0.99, 0.99, 0.001, 0.5, 2.0)}
-TYRE_MARGIN = 1.08e-5  # m; D
+# Contacts. MuJoCo's convex friction couples sliding with lifting: a contact that slides at v settles μ b v / k higher
+# than one at rest. A stiff tyre, which at rest is pressed in by a hundredth of that, would hop from step to step, and
+# all that slips would hang on the time step. So tyres give way like springs: pressed in by 3 mm under their loads,
+# they keep to the floor at any slip that a Create can reach. Their solref is stiffness K (1/s²) and damping B (1/s),
+# negative by MuJoCo's convention; their solimp the impedance d. At rest a tyre with load N and inverse inertia A
+# (MuJoCo's body_invweight0) is pressed in by (1 − d) A N / K, of which a slip of v lifts μ B v / K: all of it at 0.6
+# m/s. Slip in grip fades at B / d = 100/s, as fast as steps of 10 ms allow. With solref (0.02, 1) casters and bumper
+# have a time constant, at least twice the time step, and a damping ratio.
+# The margins, the distances at which contact begins, are what tyres and caster are pressed in under their loads: so
+# the robot starts at rest, stands at z = 0, and its wheels roll on their nominal radius (a test reads this back). The
+# casters are softer than MuJoCo's limit, or braking would lift the front one for a step at a time.
+TYRE = {"solref": (-3000.0, -20.0), "solimp": (0.2, 0.2, 0.001, 0.5, 2.0)}
+TYRE_MARGIN = 3.00848e-3  # m; D
 CASTER = {"solref": (0.02, 1.0), "solimp": (0.9, 0.9, 0.001, 0.5, 2.0)}
-CASTER_MARGIN = 2.8e-5  # m; D
+CASTER_MARGIN = 2.848e-5  # m; D
 # The bumper gives way: contact begins `BUMPER_TRAVEL` before the outline and grows stiff towards it, because at
 # 0.5 m/s a robot moves 5 mm in one step of 10 ms, and would stand that deep in a wall before any contact were found.
+# Where two robots meet both bumpers give: their contact begins at twice that, they press on one another some 5 mm
+# apart, and a robot on a wall some 2 mm from it.
 BUMPER = {"solref": (0.02, 1.0), "solimp": (0.5, 0.95, 0.004, 0.5, 2.0), "margin": BUMPER_TRAVEL}
 
 

@@ -54,8 +54,8 @@ MAX_WHEEL_ACCELERATION = 0.9  # m/s² at the rim; ?: as the Create's
 MAX_WHEEL_TORQUE = 0.18  # N m; ?: a little more than the tyre's grip
 
 # How far tyres and caster sink in under their loads -----------------------------------------------
-TYRE_MARGIN = 1.15e-5  # m; D
-CASTER_MARGIN = 2.69e-5  # m; D
+TYRE_MARGIN = 3.13363e-3  # m; D
+CASTER_MARGIN = 2.686e-5  # m; D
 
 CHASSIS_HEIGHT = DECK_HEIGHT - GROUND_CLEARANCE  # D
 COMPUTER_TOP = DECK_HEIGHT + COMPUTER_SIZE[2]  # D

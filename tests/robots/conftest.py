@@ -61,6 +61,7 @@ def arena(
         spec.attach(create.spec(), prefix=f"{k}/", frame=frame)
     if change is not None:
         change(spec)
+    physics.take_servos_implicitly(spec)
     model = spec.compile()
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)

@@ -120,6 +120,22 @@ def test_it_rests_where_it_is_put(body: Body) -> None:
     np.testing.assert_allclose(alone.data.qpos[4:6], 0.0, atol=1e-5)
 
 
+def test_tyres_are_pressed_in_by_their_margins(body: Body) -> None:
+    """By (1 − d) A N / K under the load N, to a hundredth: so each wheel rolls on its nominal radius."""
+    alone = Alone(body)
+    alone.run(3.0)
+    model, data, force = alone.model, alone.data, np.empty(6)
+    tyres = [c for c in range(data.ncon) if model.geom(data.contact[c].geom2).name.endswith("_tyre")]
+    assert len(tyres) == 2
+    for c in tyres:
+        mujoco.mj_contactForce(model, data, c, force)
+        geom = data.contact[c].geom2
+        stiffness, impedance = -model.geom_solref[geom, 0], model.geom_solimp[geom, 0]
+        pressed = (1.0 - impedance) * model.body_invweight0[model.geom_bodyid[geom], 0] * force[0] / stiffness
+        assert model.geom_margin[geom] == pytest.approx(pressed, rel=0.01)
+        assert data.contact[c].dist == pytest.approx(0.0, abs=1e-5)
+
+
 def test_its_mounts_stand_where_it_says(body: Body) -> None:
     model = body.spec().compile()
     data = mujoco.MjData(model)

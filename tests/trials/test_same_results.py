@@ -1,7 +1,8 @@
 """The first moments of a few trials are those of the version before; and the comparison of versions finds what differs.
 
-`same_results.json` was made by version 0.1.0 (`python -m scripts.same_results sample`). Where a change is meant to
-change results, it is made anew with the change that does.
+`same_results.json` is made by `python -m scripts.same_results sample`, and made anew with a change that is meant to
+change results. Its kinematic herds are those of version 0.1.0, its robots those since contact does not depend on the
+time step.
 """
 
 from __future__ import annotations

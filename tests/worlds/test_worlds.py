@@ -15,7 +15,7 @@ from flocking.parameters import declared
 from robots import body
 from trials.simulations.robots.fields import world_names
 from worlds import assemble, corridor, formations
-from worlds.walls import HEIGHT, Walls, closed
+from worlds.walls import HEIGHT, Walls, add_walls, clearance, closed, inside
 
 WORLDS = world_names()
 CREATE = body.load("create")
@@ -78,8 +78,6 @@ class TestWalls:
         """MuJoCo's own ray from inside a turned square meets each wall where the segment is."""
         corners = [(math.cos(turn + k * math.pi / 2), math.sin(turn + k * math.pi / 2)) for k in range(4)]
         spec = mujoco.MjSpec()
-        from worlds.walls import add_walls
-
         add_walls(spec, Walls(closed(corners), 0.8))
         model = spec.compile()
         data = mujoco.MjData(model)
@@ -93,6 +91,60 @@ class TestWalls:
             )
             # MuJoCo's ray against a box is exact to rounding
             assert reach == pytest.approx(inradius, abs=1e-9)
+
+    @pytest.mark.parametrize("turn", [0.0, 0.3, 1.7])
+    def test_physics_has_walls_where_the_segments_are_and_nowhere_else(self, turn: float) -> None:
+        """MuJoCo's rays from free places in a room with pillars end on the nearest segment: no box stands before it.
+
+        The solids are given clockwise: a square, one with a corner that turns inwards, and a plate thinner than a wall.
+        """
+        room = closed([(-3, -3), (3, -3), (3, 3), (-3, 3)])
+        square = closed([(-2, -2), (-2, -1), (-1, -1), (-1, -2)])
+        bent = closed([(1, 0), (1, 2), (2, 2), (2, 1), (1.5, 1), (1.5, 0)])
+        plate = closed([(-1.5, 1), (-1.5, 2), (-1.46, 2), (-1.46, 1)])
+        ends = np.concatenate([room, square, bent, plate]).reshape(-1, 2)
+        c, s = math.cos(turn), math.sin(turn)
+        segments = (ends @ np.array([[c, s], [-s, c]])).reshape(-1, 4)
+        spec = mujoco.MjSpec()
+        add_walls(spec, Walls(segments, 0.8))
+        model = spec.compile()
+        data = mujoco.MjData(model)
+        mujoco.mj_forward(model, data)
+        rng = np.random.default_rng(2)
+        places = rng.uniform(-4.2, 4.2, size=(400, 2))
+        places = places[(clearance(segments, places) > 0.0) & ~inside(segments, places)]
+        assert len(places) > 100
+        for place in places:
+            angle = rng.uniform(-math.pi, math.pi)
+            direction = np.array([math.cos(angle), math.sin(angle), 0.0])
+            start = np.array([*place, HEIGHT / 2])
+            reach = mujoco.mj_ray(model, data, start, direction, None, 1, -1, np.array([-1], dtype=np.int32))
+            along, offset = segments[:, 2:] - segments[:, :2], segments[:, :2] - place
+            cross = direction[0] * along[:, 1] - direction[1] * along[:, 0]
+            distance = (offset[:, 0] * along[:, 1] - offset[:, 1] * along[:, 0]) / cross
+            share = (offset[:, 0] * direction[1] - offset[:, 1] * direction[0]) / cross
+            met = distance[(distance > 0.0) & (share >= 0.0) & (share <= 1.0)]
+            # a ray against a box is exact to rounding
+            assert reach == pytest.approx(met.min(), abs=1e-9)
+
+    def test_only_places_in_a_clockwise_polygon_are_inside_a_solid(self) -> None:
+        room = closed([(-3, -3), (3, -3), (3, 3), (-3, 3)])
+        pillar = closed([(-1, -1), (-1, 1), (1, 1), (1, -1)])
+        walls = np.concatenate([room, pillar, [(2.0, 2.0, 2.5, 2.0)]])
+        places = np.array([(0.0, 0.0), (0.99, -0.99), (1.01, 0.0), (2.9, 2.9), (5.0, 0.0)])
+        np.testing.assert_array_equal(inside(walls, places), [True, True, False, False, False])
+
+    @pytest.mark.parametrize(
+        ("segments", "words"),
+        [
+            (closed([(0, 0), (1, 2), (2, 0)]), "solids with corners of 90 degrees or more"),
+            (np.array([(0.0, 0.0, 2.0, 0.0), (1.0, 1.0, 1.0, -1.0)]), "walls that do not cross"),
+            (np.array([(1.0, 2.0, 1.0, 2.0)]), r"wall 1 at \(1, 2\) m has no length"),
+        ],
+    )
+    def test_walls_that_cannot_be_built_are_refused(self, segments: np.ndarray, words: str) -> None:
+        with pytest.raises(InputError, match=words):
+            add_walls(mujoco.MjSpec(), Walls(segments, 0.8))
 
     def test_the_corridor_is_seven_robot_diameters_wide(self) -> None:
         assert corridor.ROBOT_DIAMETER == DIAMETER

@@ -1,7 +1,9 @@
 """The drive command and the kinematics beneath it."""
 
 import math
+from functools import cache
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -9,8 +11,10 @@ from hypothesis import strategies as st
 from flocking.errors import InputError
 from robots.create import drive
 from robots.create.model import AXLE_TRACK, DIMENSIONS, MAX_SPEED
+from robots.create_small import model as create_small
 
 GEAR = DIMENSIONS.gear
+SMALL = create_small.DIMENSIONS.gear
 
 SPEEDS = st.floats(-1.0, 1.0)
 TURN_RATES = st.floats(-8.0, 8.0)
@@ -78,29 +82,57 @@ def test_straight_and_in_place():
     assert drive.meant(GEAR, 129, drive.IN_PLACE_RIGHT) == (0.0, pytest.approx(-2 * 0.129 / AXLE_TRACK))
 
 
-@given(st.integers(-500, 500), RADII.filter(lambda r: abs(r) > 20))
-def test_a_commands_own_twist_gives_the_same_motion_back(velocity, radius):
-    """Radii above 20 mm; below, the whole-mm grid has several commands for nearly one motion."""
-    wanted = drive.wheel_speeds(GEAR, *drive.meant(GEAR, velocity, radius))
-    got = drive.wheel_speeds(
-        GEAR, *drive.meant(GEAR, *drive.nearest_command(GEAR, *drive.meant(GEAR, velocity, radius)))
-    )
-    # Where the outer wheel saturates, the mean speed is no whole number of mm/s any more: one unit on each wheel,
-    # scaled by what a unit of the mean speed does to the outer wheel (1 + track / 2 |R|).
-    unit = 0.0005 * (1 + AXLE_TRACK / 2 / (abs(radius) / 1000)) + 1e-9
-    assert got == pytest.approx(wanted, abs=2 * unit)
+@given(st.integers(-500, 500), RADII, st.sampled_from([GEAR, SMALL]))
+def test_a_commands_own_twist_gives_the_same_motion_back(velocity, radius, gear):
+    """To rounding, whatever the radius, and whether or not it was slowed."""
+    wanted = drive.meant(gear, velocity, radius)
+    got = drive.meant(gear, *drive.nearest_command(gear, *wanted))
+    assert drive.wheel_speeds(gear, *got) == pytest.approx(drive.wheel_speeds(gear, *wanted), abs=1e-12)
 
 
-@given(st.floats(-0.5, 0.5), st.floats(-4.0, 4.0))
-def test_the_nearest_command_is_close_and_legal(speed, turn_rate):
-    velocity, radius = drive.nearest_command(GEAR, speed, turn_rate)
-    drive.encode(velocity, radius)
-    wanted = drive.saturated(GEAR, speed, turn_rate)
-    got = drive.meant(GEAR, velocity, radius)
-    # Straight in place of R > 4 m errs by at most track / 2 / 4 m = 3.2 % of the speed at each wheel, 2 m for 4 m
-    # likewise; near the centre an arc and a turn in place differ by the mean speed, which is then below 20 mm/s.
-    error = abs(got[0] - wanted[0]) + AXLE_TRACK / 2 * abs(got[1] - wanted[1])
-    assert error < 0.5 * AXLE_TRACK / 4 + 0.021
+@cache
+def all_wheel_speeds(gear):
+    """(C, 2) left and right, m/s, of every drive command, slowed where a wheel would pass the limit."""
+    velocity = np.arange(-500, 501) / 1000.0
+    radius = np.concatenate([np.arange(-2000, -1), np.arange(2, 2001)]) / 1000.0
+    share = gear.axle_track / 2 / radius[:, None]
+    arcs = np.stack([velocity * (1 - share), velocity * (1 + share)], axis=-1).reshape(-1, 2)
+    speeds = np.concatenate([arcs, np.outer(velocity, (1, 1)), np.outer(velocity, (-1, 1))])
+    return speeds * np.minimum(1.0, gear.top_speed / np.maximum(np.abs(speeds).max(axis=1), 1e-9))[:, None]
+
+
+@pytest.mark.parametrize("gear", [GEAR, SMALL])
+@pytest.mark.parametrize("fastest", [0.02, 0.1, 0.5, 1.5])
+def test_no_command_is_nearer_than_the_nearest(gear, fastest):
+    """Against all four million, by the greater miss of the two wheels: slow turns, where millimetres of radius are
+    coarse, and twists at and beyond the wheels' limit."""
+    rng = np.random.default_rng(1)
+    for left, right in rng.uniform(-fastest, fastest, size=(12, 2)):
+        speed, turn_rate = drive.twist(gear, left, right)
+        wanted = drive.wheel_speeds(gear, *drive.saturated(gear, speed, turn_rate))
+        velocity, radius = drive.nearest_command(gear, speed, turn_rate)
+        drive.encode(velocity, radius)
+        got = drive.wheel_speeds(gear, *drive.meant(gear, velocity, radius))
+        least = np.abs(all_wheel_speeds(gear) - wanted).max(axis=1).min()
+        assert np.abs(np.subtract(got, wanted)).max() <= least + 1e-12
+
+
+def test_speed_and_radius_are_rounded_together():
+    """0.0152 m/s at 2.003 rad/s: a turn in place misses by 15.6 mm/s, 16 mm/s on 8 mm by 0.8 + 0.129 × 3 = 1.19."""
+    assert drive.nearest_command(GEAR, 0.0152, 2.003) == (16, 8)
+    assert drive.nearest_command(GEAR, 0.0152, -2.003) == (16, -8)
+    assert drive.nearest_command(GEAR, -0.0152, 2.003) == (-16, -8)
+
+
+def test_a_command_beyond_the_limit_is_slowed_on_its_radius():
+    """0.5 m/s on 0.2 m: the outer wheel would need 0.5 (1 + 0.129 / 0.2); it gets 0.5, and the robot 0.304 m/s."""
+    slowed = 0.5 / (1 + AXLE_TRACK / 2 / 0.2)
+    assert drive.meant(GEAR, 500, 200) == pytest.approx((slowed, slowed / 0.2), rel=1e-12)
+    velocity, radius = drive.nearest_command(GEAR, 0.5, 2.5)
+    assert drive.meant(GEAR, velocity, radius) == pytest.approx((slowed, slowed / 0.2), rel=1e-12)
+    # straight and in place likewise, where a body is slower than the command's own limit
+    assert drive.meant(SMALL, 500, drive.STRAIGHT) == pytest.approx((0.3, 0.0), rel=1e-12)
+    assert drive.meant(SMALL, 500, 1) == pytest.approx((0.0, 2 * 0.3 / SMALL.axle_track), rel=1e-12)
 
 
 @pytest.mark.parametrize(

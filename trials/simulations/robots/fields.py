@@ -61,7 +61,7 @@ class TrialFields(NamedTuple):
         float,
         Parameter(
             "s",
-            "of physics: motion, odometry and scans agree with half of it (its test is test_timestep.py)",
+            "of physics: motion, odometry and scans agree with half of it, contact with 1 ms (test_timestep.py)",
             low=0.001,
             high=0.02,
         ),

@@ -13,7 +13,7 @@ from trials.simulations.robots.fields import TOGETHER, of_group
 from trials.streams import Purpose, stream
 from trials.types import Trial
 from worlds import formations
-from worlds.walls import clearance
+from worlds.walls import THICKNESS, clearance, inside
 
 
 def starting_poses(trial: Trial) -> Floats:
@@ -56,10 +56,19 @@ def check_starts(names: list[str], poses_w: Floats, radii: Floats, walls: Floats
             f"{names[first]} and {names[second]} overlap by {-apart[first, second]:.2f} m at the start; "
             "expected formations that stand apart"
         )
-    free = clearance(walls, poses_w[:, :2]) - radii
-    nearest = int(free.argmin())
-    if free[nearest] < 0.0:
-        raise InputError(
-            f"{names[nearest]} starts at ({poses_w[nearest, 0]:.2f}, {poses_w[nearest, 1]:.2f}) m, in or behind a "
-            "wall; expected a start within the world"
-        )
+    clear = clearance(walls, poses_w[:, :2])
+    nearest = int((clear - radii).argmin())
+    solid = inside(walls, poses_w[:, :2])
+    if clear[nearest] >= radii[nearest] and not solid.any():
+        return
+    if solid.any():
+        nearest = int(solid.argmax())
+        where = "inside a wall, whose corners are given clockwise: free space lies on the left of a wall"
+    elif clear[nearest] > 0.0:
+        where = f"and reaches {radii[nearest] - clear[nearest]:.2f} m into a wall"
+    elif clear[nearest] > -THICKNESS:
+        where = "inside a wall"
+    else:
+        where = "behind a wall"
+    x, y = poses_w[nearest, :2]
+    raise InputError(f"{names[nearest]} starts at ({x:.2f}, {y:.2f}) m, {where}; expected a start within the world")

@@ -15,8 +15,9 @@ from flocking.errors import InputError
 from trials import design, simulations
 from trials.simulations.robots import fields
 from trials.simulations.robots.herd import assemble
-from trials.simulations.robots.starts import starting_poses
+from trials.simulations.robots.starts import check_starts, starting_poses
 from trials.types import Trial
+from worlds.walls import closed
 
 EXPERIMENT = '''
 """A pursuer beside a herd."""
@@ -110,8 +111,9 @@ class TestFormations:
         ("change", "words"),
         [
             ({"start_x_m": 0.0, "count": 3}, "overlap by .* expected formations that stand apart"),
-            ({"start_y_m": 1.1}, r"pursuer-1 starts at .* in or behind a wall"),
-            ({"start_y_m": 30.0}, r"pursuer-1 starts at .* in or behind a wall"),
+            ({"start_y_m": 1.05}, r"pursuer-1 starts at .* reaches 0\.\d\d m into a wall; expected a start within"),
+            ({"start_y_m": 1.1}, r"pursuer-1 starts at .* m, inside a wall; expected a start within the world"),
+            ({"start_y_m": 30.0}, r"pursuer-1 starts at .* m, behind a wall; expected a start within the world"),
             ({"formation": "single"}, r"unknown formation 'single'; did you mean single-group"),
             ({"name": "herd"}, "two groups are called 'herd'"),
             ({"name": "world"}, "group 'world': expected a name of letters"),
@@ -121,6 +123,15 @@ class TestFormations:
     def test_what_cannot_be_is_refused(self, change: dict[str, object], words: str) -> None:
         with pytest.raises(InputError, match=words):
             simulations.check(pursuit(**change))
+
+
+def test_a_start_in_a_pillar_is_named_as_inside_a_wall() -> None:
+    """Wide enough that its middle lies far behind its faces; beside it there is room."""
+    pillar = closed([(0, -1), (0, 1), (2, 1), (2, -1)])
+    start, beside, radii = np.array([[1.0, 0.0, 0.0]]), np.array([[3.0, 0.0, 0.0]]), np.array([0.165])
+    check_starts(["herd-1"], beside, radii, pillar)
+    with pytest.raises(InputError, match=r"herd-1 starts at \(1.00, 0.00\) m, inside a wall, .* given clockwise"):
+        check_starts(["herd-1"], start, radii, pillar)
 
 
 def test_each_group_has_streams_of_its_own() -> None:
