@@ -32,6 +32,7 @@ class Log:
     updates: list[tuple[float, ...]] = field(default_factory=list)
     inputs: list[Floats] = field(default_factory=list)
     owners: list[Any] = field(default_factory=list)
+    selected: list[Bools] = field(default_factory=list)
     states: list[Any] = field(default_factory=list)
     scans: list[tuple[float, int, Floats, Scan]] = field(default_factory=list)
     _next_scan: dict[int, float] = field(default_factory=dict)
@@ -49,11 +50,12 @@ class Log:
         robot: int,
         pose_w: Floats,
         detection: Detection,
+        selected: Bools,
         judgement: tuple[Any, Any, int, int, int],
         motion: Motion,
         command: tuple[float, float],
     ) -> None:
-        """Adds one robot's update; `judgement` as `sensing.truth.judge` gives it."""
+        """Adds one robot's update; `selected` (M,) members of the detection; `judgement` as `sensing.truth.judge`."""
         owners, states, lit, missed, made_up = judgement
         self.updates.append(
             (
@@ -72,6 +74,7 @@ class Log:
         )
         self.inputs.append(detection.members.positions)
         self.owners.append(owners)
+        self.selected.append(selected)
         self.states.append(states)
 
     def scan(self, time: float, robot: int, pose_w: Floats, scan: Scan) -> None:
@@ -137,6 +140,7 @@ class Log:
             input_starts=starts,
             input_positions=np.concatenate([np.empty((0, 2)), *self.inputs]).astype(np.float32),
             input_owners=np.concatenate([np.empty(0), *self.owners]).astype(np.int16),
+            input_selected=np.concatenate([np.empty(0, np.bool_), *self.selected]),
             member_states=np.array(self.states, dtype=np.int8).reshape(-1, self.robots),
             beams_lit=whole[:, 3].copy(),
             beams_missed=whole[:, 4].copy(),
