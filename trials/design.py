@@ -178,7 +178,10 @@ def _parameters(module: ModuleType, trials: Sequence[Trial], given: set[str]) ->
     sources, trial = getattr(module, "SOURCES", {}), trials[0]
     usual = _usual(module.base(trial.repeat), trial)
     rows = keys.rows(trial, sources)
-    for other in {each.formation: each for each in reversed(trials)}.values():
+    firsts: dict[str, Trial] = {}
+    for each in trials:
+        firsts.setdefault(each.formation, each)
+    for other in firsts.values():
         known = {row.key for row in rows}
         more = [row for row in keys.rows(other, sources) if row.key.startswith(FORMATION) and row.key not in known]
         last = max((k for k, row in enumerate(rows) if row.key.startswith(FORMATION)), default=len(rows) - 1)
