@@ -55,9 +55,7 @@ def _tables(columns: dict[str, list[dict[str, object]]], commands: list[str]) ->
     reference = next(iter(columns))
     lines = ["## Outcomes", "", "Made by `python -m scripts.outcomes` from the runs of"]
     lines += [f"- {command}" for command in dict.fromkeys(commands)]
-    lines += ["", "and of the supplements that `herd report` found beside them, where the table has them: of"]
-    lines += ["`herd run detection-ideal`, and of"]
-    lines += ["`herd run detection-exclusion-sweep --repeats 7 --sweep herd.sensors=ideal,datasheet,harsh`."]
+    lines += ["", "and of the supplements that `herd report` found beside them, if any."]
     lines += ["", f"### {reference[0].upper()}{reference[1:]}", ""]
     lines += ["| # | claim | measured | interval | margin | n | power | verdict |", "|---|---|---|---|---|---|---|---|"]
     for number, entry in enumerate(columns[reference], start=1):
