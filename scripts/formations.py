@@ -20,8 +20,8 @@ from matplotlib.patches import Circle
 
 from robots import body
 from trials.design import plan
-from trials.streams import Purpose, stream
-from worlds import corridor, formations
+from trials.simulations.robots.starts import starting_poses
+from worlds import corridor
 
 RADIUS = body.load("create").radius
 OUT = Path(__file__).parents[1] / "docs" / "formations.png"
@@ -33,8 +33,7 @@ def main() -> None:
     half_width = corridor.Parameters().width_m / 2
     figure, axes = plt.subplots(len(repeats), 1, figsize=(8.0, 6.4), sharex=True, layout="constrained")
     for axis, trial in zip(axes, repeats.values(), strict=True):
-        rng = stream(trial.seed, trial.repeat, 0, 0, Purpose.START)
-        for x, y, heading in formations.poses(trial.formation, sum(g.count for g in trial.groups), rng):
+        for x, y, heading in starting_poses(trial):
             axis.add_patch(Circle((x, y), RADIUS, facecolor="#4c8cb5", edgecolor="#1d3f55"))
             tip = 2.0 * RADIUS
             axis.plot([x, x + tip * math.cos(heading)], [y, y + tip * math.sin(heading)], color="#1d3f55")

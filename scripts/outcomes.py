@@ -2,8 +2,8 @@
 
     python -m scripts.outcomes runs/detection-case-study/001 runs/detection-case-study/002 …
 
-One column for each arm of each run, in the order given; the first run is the reference. All numbers are
-those of `herd report`.
+One row for each arm of each run, in the order given; the first run is the reference. All numbers are those of
+`herd report`.
 """
 
 from __future__ import annotations
@@ -30,15 +30,21 @@ def main(folders: Sequence[str]) -> None:
         entries = json.loads(report(Path(folder), as_json=True))
         store = opened(Path(folder))
         commands.append(_command(store.run))
+        experiment, repeats = str(store.run["experiment"]), max(trial.repeat for trial in store.trials)
         store.close()
         for entry in entries:
-            arm = entry.get("arm") or {}
-            name = ", ".join(f"{key.rsplit('.', 1)[-1]} {value}" for key, value in arm.items()) or "reference"
-            columns.setdefault(name, []).append(entry)
+            columns.setdefault(_name(experiment, entry.get("arm") or {}, repeats), []).append(entry)
     text = PAGE.read_text(encoding="utf-8")
     start, end = text.index(BEGIN), text.index(END)
     mark = text[start : text.index("-->", start) + 3]
     PAGE.write_text(f"{text[:start]}{mark}\n\n{_tables(columns, commands)}\n{text[end:]}", encoding="utf-8")
+
+
+def _name(experiment: str, arm: Mapping[str, object], repeats: int) -> str:
+    """An arm in words; of another experiment than the case study with that one's name."""
+    words = [] if experiment == "detection-case-study" else [experiment.removeprefix("detection-")]
+    words += [f"{key.rsplit('.', 1)[-1]} {value}" for key, value in arm.items()]
+    return f"{', '.join(words) or 'reference'} ({repeats} repeats)"
 
 
 def _command(run: Mapping[str, object]) -> str:
@@ -49,17 +55,18 @@ def _tables(columns: dict[str, list[dict[str, object]]], commands: list[str]) ->
     reference = next(iter(columns))
     lines = ["## Outcomes", "", "Made by `python -m scripts.outcomes` from the runs of"]
     lines += [f"- {command}" for command in dict.fromkeys(commands)]
-    lines += ["", "and of the supplements that `herd report` found: `herd run detection-ideal`, and"]
-    lines += ["`herd run detection-exclusion-sweep --repeats 7 --sweep herd.sensors=ideal,datasheet,harsh`."]
-    lines += ["", f"### The 63 trials ({reference})", ""]
-    lines += ["| # | claim | measured | interval | margin | n | verdict |", "|---|---|---|---|---|---|---|"]
+    lines += ["", "and of the supplements that `herd report` found beside them, if any."]
+    lines += ["", f"### {reference[0].upper()}{reference[1:]}", ""]
+    lines += ["| # | claim | measured | interval | margin | n | power | verdict |", "|---|---|---|---|---|---|---|---|"]
     for number, entry in enumerate(columns[reference], start=1):
         numbers = (
             f"{_number(entry['measured'])} | {_interval(entry)} | {_number(entry['margin'])} | {entry['n'] or '-'}"
         )
+        numbers += f" | {_number(entry.get('power'))}"
         lines.append(f"| {number} | {entry['claim']} | {numbers} | {VERDICTS[entry['agrees']]} |")  # type: ignore[index]
-    lines += ["", "What each number is stands in the report (`quantity` and `test`).", ""]
-    lines += ["### With other sensors and with the choices that were not published halved and doubled", ""]
+    lines += ["", "What each number is stands in the report (`quantity` and `test`); power: the share of runs of seven"]
+    lines += ["repeats that would show the claim if it is true.", ""]
+    lines += ["### Every arm", ""]
     lines += ["+ holds, − does not hold, ? undecided; the number is that on which the verdict hangs.", ""]
     lines += ["| arm | " + " | ".join(str(n) for n in range(1, len(columns[reference]) + 1)) + " |"]
     lines += ["|---" * (len(columns[reference]) + 1) + "|"]

@@ -20,7 +20,7 @@ from __future__ import annotations
 import dataclasses
 import importlib
 import itertools
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from types import ModuleType
 from typing import Any
@@ -34,6 +34,7 @@ from trials.types import Trial, Value
 STUDIES = "trials.studies"
 DEFAULT_SEED = 1
 MAX_TRIALS = 100_000
+FORMATION = "formation."
 
 
 @dataclass(frozen=True)
@@ -127,11 +128,12 @@ def plan(
             f"{total} trials by --repeats {repeats}: expected at most {MAX_TRIALS}, as by --repeats {most}"
         )
     placed = _placed(module, settings, [{**arm, **cell} for arm, cells in designs for cell in cells], notes)
+    own = _of_some_starts(module, repeats, {*settings, *conditions, *arm_values}, notes)
     trials: list[Trial] = []
     for repeat in range(1, repeats + 1):
         for given, cell in placed:
             trial = dataclasses.replace(module.base(repeat), index=len(trials) + 1, seed=seed, repeat=repeat)
-            trial = _put(trial, {**given, **cell})
+            trial = _put(trial, {**given, **cell}, left_out=own)
             trial = module.finish(trial) if hasattr(module, "finish") else trial
             trials.append(dataclasses.replace(trial, experiment=name, conditions=cell))
     trials = [simulations.settled(_spelled(trial)) for trial in trials]
@@ -139,7 +141,7 @@ def plan(
         experiment=name.replace("_", "-"),
         title=title(name),
         trials=trials,
-        parameters=_parameters(module, trials[0], {*settings, *arm_values}),
+        parameters=_parameters(module, trials, {*settings, *arm_values}),
         conditions=conditions,
         sweep=arm_values,
         repeats=repeats,
@@ -168,11 +170,24 @@ def _of_first_group(
     return {key: value}
 
 
-def _parameters(module: ModuleType, trial: Trial, given: set[str]) -> list[Row]:
-    """Every parameter of a trial; those in `given` are marked as set by the user."""
-    sources = getattr(module, "SOURCES", {})
+def _parameters(module: ModuleType, trials: Sequence[Trial], given: set[str]) -> list[Row]:
+    """Every parameter of the first trial, and those that only the formations of others have.
+
+    Those in `given` are marked as set by the user.
+    """
+    sources, trial = getattr(module, "SOURCES", {}), trials[0]
     usual = _usual(module.base(trial.repeat), trial)
     rows = keys.rows(trial, sources)
+    firsts: dict[str, Trial] = {}
+    for each in trials:
+        firsts.setdefault(each.formation, each)
+    for other in firsts.values():
+        known = {row.key for row in rows}
+        more = [row for row in keys.rows(other, sources) if row.key.startswith(FORMATION) and row.key not in known]
+        last = max((k for k, row in enumerate(rows) if row.key.startswith(FORMATION)), default=len(rows) - 1)
+        rows[last + 1 : last + 1] = more
+        if more:
+            usual = {row.key: row.value for row in keys.rows(module.base(other.repeat))} | usual
     return [marked(row, usual.get(row.key, row.value)) if row.key in given else row for row in rows]
 
 
@@ -233,9 +248,26 @@ def _placed(
     ]
 
 
-def _put(trial: Trial, values: Mapping[str, Any]) -> Trial:
+def _of_some_starts(module: ModuleType, repeats: int, given: set[str], notes: dict[str, None]) -> frozenset[str]:
+    """Of the keys `given` those of a formation's parameters that, of the repeats, some have and others have not.
+
+    None where the formation itself is given.
+    """
+    asked = [key for key in sorted(given) if key.startswith(FORMATION)]
+    if not asked or FORMATION.rstrip(".") in given:
+        return frozenset()
+    bases = {base.formation: base for base in map(module.base, range(1, repeats + 1))}.values()
+    found = frozenset(key for key in asked if len({keys.has(base, key) for base in bases}) == 2)
+    for key in sorted(found):
+        notes[f"{key} is left out where the formation has no such parameter"] = None
+    return found
+
+
+def _put(trial: Trial, values: Mapping[str, Any], left_out: Collection[str] = ()) -> Trial:
+    """`trial` with these values; those of `left_out` only where it has such a key."""
     for key in sorted(values, key=_names_first):
-        trial = keys.put(trial, key, values[key])
+        if key not in left_out or keys.has(trial, key):
+            trial = keys.put(trial, key, values[key])
     return trial
 
 

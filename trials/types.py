@@ -109,9 +109,11 @@ class Updates:
     input_starts: Ints
     """(U + 1,) rows `input_starts[u]:input_starts[u + 1]` of the inputs belong to update u."""
     input_positions: NDArray[np.float32]
-    """(K, 2) m, body frame: every input given to the law."""
+    """(K, 2) m, body frame: every input that the member detection made."""
     input_owners: NDArray[np.int16]
     """(K,) which robot the input belongs to, −1 = nobody (a false positive)."""
+    input_selected: Bools
+    """(K,) whether the neighbour selection let the input through to the law, in any of the law's sets."""
     member_states: NDArray[np.int8]
     """(U, N) for each member: HIDDEN, DETECTED or MISSED (see `sensing.truth`); the focal member is HIDDEN."""
     beams_lit: Ints
@@ -120,6 +122,20 @@ class Updates:
     """(U,) beams that fell on members and made no input."""
     beams_made_up: Ints
     """(U,) beams that made an input but belong to nobody."""
+
+    def as_selected(self) -> Updates:
+        """The same updates with those inputs alone that the neighbour selection let through."""
+        kept = self.input_selected
+        if kept.all():
+            return self
+        starts = np.append(0, np.cumsum(kept))[self.input_starts]
+        return dataclasses.replace(
+            self,
+            input_starts=starts,
+            input_positions=self.input_positions[kept],
+            input_owners=self.input_owners[kept],
+            input_selected=kept[kept],
+        )
 
 
 def no_updates(members: int) -> Updates:
@@ -136,6 +152,7 @@ def no_updates(members: int) -> Updates:
         input_starts=np.zeros(1, np.int64),
         input_positions=np.empty((0, 2), np.float32),
         input_owners=np.empty(0, np.int16),
+        input_selected=np.empty(0, np.bool_),
         member_states=np.empty((0, members), np.int8),
         beams_lit=whole,
         beams_missed=whole,

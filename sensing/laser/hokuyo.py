@@ -1,9 +1,10 @@
 """The Hokuyo URG-04LX-UG01: 682 beams over 239.4 degrees, 10 scans a second, 20 to 5600 mm.
 
 What is modelled: the order and bearings of the beams, range limits, noise, whole millimetres, readings between two
-surfaces at edges, lost readings, intensity by material, incidence and distance in three modes, and as an option the
-sweep, in which every beam is read at its own instant. What is not: weaker returns shorten no range, lasers do not
-disturb one another, and the plane of the beams stays level (`planar.TILT_BOUND_RAD`).
+surfaces at edges, lost readings, intensity by material, incidence and distance in three modes, and as options a
+narrower view and the sweep, in which every beam is read at its own instant. What is not: a laser looks through its own
+robot, whose cylinder would hide some of the rear, weaker returns shorten no range, lasers do not disturb one another,
+and the plane of the beams stays level (`planar.TILT_BOUND_RAD`).
 """
 
 from __future__ import annotations
@@ -79,6 +80,12 @@ class Parameters(NamedTuple):
     """Least intensity that gives code 18."""
     sweep: Annotated[bool, Parameter("", f"{_SHEET}: one turn in 100 ms")] = False
     """True: each beam at its own instant, the last at the scan's time; false: all at the scan's time."""
+    view_deg: Annotated[
+        float,
+        Parameter("deg", f"{_SHEET}: 240; less where the robot's own cylinder hides the rear", low=0.0, high=240.0),
+    ] = 240.0
+    """Width of the view about straight ahead; 240 has all beams (239.4 degrees from the first to the last). The beams
+    beyond it read inf, as where nothing returns."""
 
 
 SETTINGS: dict[str, Parameters] = {
@@ -174,9 +181,10 @@ class Lasers:
 
     def _fixed(self, mounting: planar.Mounting, places: planar.Places) -> tuple[Any, ...]:
         """A laser's `scan.Fixed` as a plain tuple."""
-        parts = self.slice
+        parts, laser = self.slice, self.parameters[mounting.own]
+        first_beam, last_beam = _in_view(laser.view_deg)
         fixed = scan.Fixed(
-            settings_row=_settings_row(self.parameters[mounting.own]),
+            settings_row=_settings_row(laser),
             own=mounting.own,
             mount_frame=mounting.frame,
             mount=mounting.pose,
@@ -195,6 +203,8 @@ class Lasers:
             partners=self._partners,
             shares=self._shares,
             returns=self._returns,
+            first_beam=first_beam,
+            last_beam=last_beam,
         )
         return tuple(fixed)
 
@@ -303,6 +313,12 @@ def _planar_in(data: mujoco.MjData, site: int, body: int) -> tuple[float, float,
 
 def _mount_row(mount: tuple[float, float, float]) -> Floats:
     return np.array([mount[0], mount[1], math.cos(mount[2]), math.sin(mount[2])])
+
+
+def _in_view(view_deg: float) -> tuple[int, int]:
+    """First and last beam within a view of that width; the beam straight ahead always is."""
+    seen = np.flatnonzero(np.abs(ANGLES) <= math.radians(view_deg) / 2.0)
+    return int(seen[0]), int(seen[-1])
 
 
 def _settings_row(parameters: Parameters) -> Floats:

@@ -48,6 +48,9 @@ class Fixed(NamedTuple):
     """(B,) written over: as in `readings.Mixing`."""
     returns: Floats
     """(B,) written over: the light that comes back, as `readings.light` gives it."""
+    first_beam: int
+    last_beam: int
+    """Those between them, both included, are in view."""
 
 
 @borrowing
@@ -57,11 +60,15 @@ def _shapes(laser: Fixed) -> Shapes:
 
 @borrowing
 def _cast(laser: Fixed, source: Floats) -> int:
-    """Fill what beams meet, and `Places` on the way. Returns the frame that leans or is lifted, LEVEL if none."""
+    """Fill what beams meet, and `Places` on the way. Returns the frame that leans or is lifted, LEVEL if none.
+
+    Beams out of view meet nothing.
+    """
     shapes, places = _shapes(laser), Places(laser.poses, laser.lasers)
     mounting = Mounting(laser.own, laser.mount_frame, laser.mount)
     if len(laser.poses) > 1:
         sweep.cast_sweep(mounting, FARTHEST_M, places, shapes, laser.nearness, laser.surfaces)
+        _blind(laser)
         return LEVEL
     frames = Frames(laser.addresses, laser.levels_m, laser.height_m)
     fallen = planar.place(source, frames, places.poses[0])
@@ -70,7 +77,16 @@ def _cast(laser: Fixed, source: Floats) -> int:
         row = places.lasers[0]
         row[0], row[1], row[2], row[3] = pose.x, pose.y, pose.cosine, pose.sine
         planar.cast(pose, laser.own, FARTHEST_M, places.poses[0], shapes, laser.nearness, laser.surfaces)
+        _blind(laser)
     return fallen
+
+
+@borrowing
+def _blind(laser: Fixed) -> None:
+    """Nothing is met by the beams out of view."""
+    nearness, surfaces = laser.nearness, laser.surfaces
+    nearness[: laser.first_beam] = nearness[laser.last_beam + 1 :] = 1.0 / FARTHEST_M
+    surfaces[: laser.first_beam] = surfaces[laser.last_beam + 1 :] = -1
 
 
 @borrowing

@@ -150,6 +150,7 @@ def _updates(rng: np.random.Generator, times: Floats, robots: np.ndarray, everyo
         input_starts=np.array(starts, dtype=np.int64),
         input_positions=np.concatenate([np.empty((0, 2)), *positions]).astype(np.float32),
         input_owners=np.concatenate([np.empty(0), *owners]).astype(np.int16),
+        input_selected=np.ones(starts[-1], dtype=np.bool_),
         member_states=states,
         beams_lit=lit,
         beams_missed=rng.integers(0, 10, count),

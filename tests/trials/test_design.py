@@ -47,7 +47,7 @@ class TestCaseStudy:
         plan = design.plan("detection-case-study")
         assert len(plan.trials) == 63
         assert {sum(g.count for g in t.groups) for t in plan.trials} == {6}
-        assert {t.formation for t in plan.trials} == {"single-group", "split-group", "scattered"}
+        assert {t.formation for t in plan.trials} == {"single-file", "staggered-file", "split-file"}
         assert min(t.setup["duration_s"] for t in plan.trials) >= 60.0
 
     def test_set_on_a_condition_replaces_its_values(self) -> None:
@@ -122,3 +122,24 @@ def test_show_gives_the_values_of_the_named_sensor_setting() -> None:
     assert rows.keys() == ideal.keys()
     assert rows != ideal
     assert {"create", "create-small"} <= set(fields.body_names())
+
+
+def test_a_parameter_that_only_some_formations_have_is_left_out_elsewhere() -> None:
+    made = design.plan("detection-case-study", settings={"formation.aside_m": 0.3, "formation.jitter_m": 0.0})
+    given = {trial.repeat: trial.formation_parameters for trial in made.trials}
+    assert given[1] == {"jitter_m": 0.0}  # a single file
+    assert given[2] == {"aside_m": 0.3, "jitter_m": 0.0}
+    assert made.notes == ["formation.aside_m is left out where the formation has no such parameter"]
+    with pytest.raises(InputError, match=r"unknown parameter 'formation\.aside_m'"):
+        design.plan("detection-case-study", settings={"formation.aside_m": 0.3, "formation": "single-file"})
+    with pytest.raises(InputError, match=r"unknown parameter 'formation\.aside'; did you mean formation\.aside_m"):
+        design.plan("detection-case-study", settings={"formation.aside": 0.3, "formation": "staggered-file"})
+
+
+def test_the_parameters_of_every_formation_are_shown() -> None:
+    rows = {row.key: row for row in design.plan("detection-case-study", settings={"formation.gap_m": 2.0}).parameters}
+    shown = [key for key in rows if key.startswith("formation.")]
+    assert shown == [
+        f"formation.{name}" for name in ("spacing_m", "jitter_m", "heading_spread_deg", "aside_m", "gap_m")
+    ]
+    assert rows["formation.gap_m"].source == "set here in place of 3.0"

@@ -51,25 +51,73 @@ class TestEveryFormation:
     def test_members_stand_apart_inside_the_corridor(self, name: str) -> None:
         half_width = corridor.Parameters().width_m / 2
         for seed in range(20):
-            poses_w = formations.poses(name, 6, np.random.default_rng(seed))
+            poses_w = formations.poses(name, {}, 6, np.random.default_rng(seed))
             gaps = np.hypot(*(poses_w[:, None, :2] - poses_w[None, :, :2]).transpose(2, 0, 1))
             assert gaps[~np.eye(6, dtype=bool)].min() > DIAMETER
             assert np.abs(poses_w[:, 1]).max() < half_width - CREATE.radius
 
     def test_the_same_stream_gives_the_same_start(self, name: str) -> None:
-        first, second = (formations.poses(name, 6, np.random.default_rng(4)) for _ in range(2))
+        first, second = (formations.poses(name, {}, 6, np.random.default_rng(4)) for _ in range(2))
         assert_allclose(first, second, rtol=0.0, atol=0.0)
 
     @pytest.mark.parametrize("count", [1, 2, 3, 7, 30])
     def test_any_count_gives_as_many_poses(self, name: str, count: int) -> None:
-        poses_w = formations.poses(name, count, np.random.default_rng(0))
+        poses_w = formations.poses(name, {}, count, np.random.default_rng(0))
         assert poses_w.shape == (count, 3)
         assert np.isfinite(poses_w).all()
 
 
 def test_an_unknown_formation_offers_the_nearest() -> None:
     with pytest.raises(InputError, match="single-group"):
-        formations.poses("single-grup", 6, np.random.default_rng(0))
+        formations.poses("single-grup", {}, 6, np.random.default_rng(0))
+
+
+class TestFormations:
+    @pytest.mark.parametrize("name", sorted(formations.FORMATIONS))
+    @pytest.mark.parametrize("spread_deg", [0.0, 2.0, 180.0])
+    def test_headings_are_within_the_spread_and_take_all_of_it(self, name: str, spread_deg: float) -> None:
+        given = {"heading_spread_deg": spread_deg}
+        headings = formations.poses(name, given, 60, np.random.default_rng(3))[:, 2]
+        assert np.abs(headings).max() <= math.radians(spread_deg)
+        # the largest of 60 uniform numbers falls short of 0.9 with a probability of 0.9^60 = 0.002
+        assert np.abs(headings).max() >= 0.9 * math.radians(spread_deg)
+
+    def test_a_single_file_without_jitter_is_a_row_of_equal_steps(self) -> None:
+        given = {"spacing_m": 0.7, "jitter_m": 0.0, "heading_spread_deg": 0.0}
+        poses_w = formations.poses("single-file", given, 5, np.random.default_rng(0))
+        assert_allclose(poses_w, np.outer([2, 1, 0, -1, -2], [0.7, 0.0, 0.0]), atol=1e-12)
+
+    def test_a_staggered_file_takes_turns_on_either_side(self) -> None:
+        given = {"spacing_m": 0.8, "aside_m": 0.3, "jitter_m": 0.0, "heading_spread_deg": 0.0}
+        poses_w = formations.poses("staggered-file", given, 4, np.random.default_rng(0))
+        assert_allclose(poses_w[:, 0], [1.2, 0.4, -0.4, -1.2], atol=1e-12)
+        assert_allclose(poses_w[:, 1], [0.3, -0.3, 0.3, -0.3], atol=1e-12)
+
+    def test_a_split_file_is_two_files_with_a_gap_between_them(self) -> None:
+        given = {"spacing_m": 0.5, "gap_m": 2.0, "aside_m": 0.1, "jitter_m": 0.0, "heading_spread_deg": 0.0}
+        x, y, _ = formations.poses("split-file", given, 5, np.random.default_rng(0)).T
+        assert_allclose(-np.diff(x), [0.5, 2.0, 0.5, 0.5], atol=1e-12)
+        assert_allclose(y, [0.1, -0.1, 0.1, -0.1, 0.1], atol=1e-12)
+
+    def test_spacing_scales_a_group_and_jitter_has_its_standard_deviation(self) -> None:
+        still = {"jitter_m": 0.0}
+        near, wide = (
+            formations.poses("single-group", {**still, "spacing_m": spacing}, 6, np.random.default_rng(0))
+            for spacing in (0.5, 1.5)
+        )
+        assert_allclose(wide[:, :2], 3.0 * near[:, :2], atol=1e-12)
+        shaken = formations.poses("single-group", {"jitter_m": 0.2}, 2000, np.random.default_rng(1))[:, :2]
+        placed = formations.poses("single-group", still, 2000, np.random.default_rng(1))[:, :2]
+        # standard error of a standard deviation of 4000 numbers: 0.2 / sqrt(8000); four of them
+        assert (shaken - placed).std() == pytest.approx(0.2, abs=4 * 0.2 / math.sqrt(8000))
+
+    def test_what_a_formation_does_not_have_is_refused(self) -> None:
+        with pytest.raises(
+            InputError, match=r"unknown parameter 'formation\.jiter_m'; did you mean formation\.jitter_m"
+        ):
+            formations.poses("single-file", {"jiter_m": 0.0}, 6, np.random.default_rng(0))
+        with pytest.raises(InputError, match=r"formation\.heading_spread_deg = 181.*from 0 to 180 in deg"):
+            formations.poses("scattered", {"heading_spread_deg": 181.0}, 6, np.random.default_rng(0))
 
 
 class TestWalls:

@@ -21,7 +21,7 @@ import numpy as np
 from flocking.errors import InputError
 from trials.types import Contacts, Trial, TrialResult, Updates
 
-FORMAT = 2
+FORMAT = 3
 HEAD = "result.json"
 """The entry of the zip file with the trial and everything that is no array."""
 

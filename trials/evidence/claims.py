@@ -34,6 +34,8 @@ class Entry:
     """None = undecided."""
     test: str
     margin: float
+    power: float = math.nan
+    """How often the publication's own number of repeats would show the claim if it is true; nan if that is not told."""
     effect: float = math.nan
     """Hedges' g of what was measured."""
     arm: Mapping[str, Any] = field(default_factory=dict)
@@ -45,6 +47,7 @@ class Entry:
         """As `herd report --json` prints it; nan becomes null."""
         names = ("source", "quantity", "published", "measured", "low", "high", "n", "agrees", "test", "margin")
         told = {name: _plain(getattr(self, name)) for name in (*names, "effect", "claim")}
+        told |= {"power": _plain(self.power)} if math.isfinite(self.power) else {}
         return told | ({"arm": dict(self.arm)} if self.arm else {})
 
 
@@ -67,6 +70,8 @@ class Judged(NamedTuple):
     """All that was tested."""
     test: str
     """How the verdict came about, in words."""
+    power: float = math.nan
+    """As in `Entry`."""
 
 
 class Question(NamedTuple):
@@ -140,6 +145,7 @@ def answered(question: Question, used: Sequence[Cells], arm: Mapping[str, Any]) 
         agrees=judged.agrees,
         test=f"{judged.test}{left_out}",
         margin=margin,
+        power=judged.power,
         effect=shown.decision.effect,
         arm=arm,
         outcomes=tuple(judged.outcomes),

@@ -5,8 +5,15 @@ All tests are on n independent numbers, one a repeat: a paired difference betwee
 and that it does not, and so one of three verdicts: true, false, or None (undecided: at this n neither is
 shown).
 
-Sources: Student's t; two one-sided tests, Schuirmann 1987; intersection-union, Berger 1982; Holm 1979; Hedges
-1981.
+Each test is of the mean, by Student's t, or, `exact`, of the median, by the sign test, which supposes nothing of how
+the numbers are distributed. Shares near 0 and 1 are tested exactly: most of their repeats lie at the bound and a few
+far off, and t takes a sample that lacks those few for a proof. No test of their mean that supposes nothing can be had:
+a share that is 0 in one trial of twenty and 1 in all others has a mean of 0.95, and 0.95^7 = 70 % of all samples of
+seven are all 1.
+
+Sources: Student's t; sign test and interval of the median, Conover 1999, "Practical Nonparametric Statistics", sections
+3.2 and 3.4 (`scipy.stats.quantile_test`); two one-sided tests, Schuirmann 1987; intersection-union, Berger 1982; Holm
+1979; Hedges 1981.
 """
 
 from __future__ import annotations
@@ -26,6 +33,9 @@ ALPHA = 0.05
 FEWEST = 3
 """Repeats below which nothing is decided: two numbers that happen to be equal would prove anything."""
 
+NEAR_A_BOUND = 0.1
+"""Shares whose mean lies within this of 0 or 1 are tested exactly. A choice."""
+
 
 class Decision(NamedTuple):
     """The outcome of one test. A p-value below `ALPHA` shows its side."""
@@ -34,10 +44,10 @@ class Decision(NamedTuple):
     p_holds: float
     p_fails: float
     measured: float
-    """Mean of the n numbers."""
+    """Mean of the n numbers; of an exact test their median."""
     low: float
     high: float
-    """Confidence interval of the mean."""
+    """Confidence interval of it; of an exact test nan where n is too small for any."""
     n: int
     effect: float
     """Hedges' g: the mean (less the threshold, where there is one) in standard deviations of the n numbers;
@@ -54,29 +64,43 @@ def mean_interval(values: Floats, confidence: float = 1.0 - ALPHA) -> tuple[floa
     return mean, mean - reach, mean + reach
 
 
-def exceeds(values: Floats, threshold: float = 0.0, margin: float = 0.0) -> Decision:
-    """The claim that the mean of `values` (n,) is above `threshold`.
-
-    Holds if the 95 % interval lies above the threshold. Does not hold if it lies below threshold + margin:
-    `margin` is the smallest excess that would count, and one as large is then excluded. Should both be so
-    (there is an excess, too small to count), it does not hold.
-    """
+def median_interval(values: Floats, confidence: float = 1.0 - ALPHA) -> tuple[float, float, float]:
+    """Median of `values` (n,) and its exact confidence interval, from one of them to another; nan if n is too small."""
     values = _finite(values)
-    p_holds = min(1.0, 2.0 * _p_above(values, threshold))
-    p_fails = min(1.0, 2.0 * _p_above(-values, -(threshold + margin)))
-    return _decided(values, p_holds, p_fails, threshold, 1.0 - ALPHA)
+    if len(values) == 0:
+        return math.nan, math.nan, math.nan
+    interval = stats.quantile_test(values, p=0.5).confidence_interval(confidence)
+    return float(np.median(values)), float(interval.low), float(interval.high)
 
 
-def equivalent(values: Floats, margin: float) -> Decision:
+def near_a_bound(shares: Floats, bounds: tuple[float, float] = (0.0, 1.0)) -> bool:
+    """Whether the mean of `shares` (n,) lies near one of the two bounds that none of them can pass."""
+    shares = _finite(shares)
+    mean = float(shares.mean()) if len(shares) else math.nan
+    return mean <= bounds[0] + NEAR_A_BOUND or mean >= bounds[1] - NEAR_A_BOUND
+
+
+def exceeds(values: Floats, threshold: float = 0.0, margin: float = 0.0, exact: bool = False) -> Decision:
+    """The claim that the mean of `values` (n,) is above `threshold` by more than `margin`, the least that counts.
+
+    Holds if the 95 % interval lies above threshold + margin; does not hold if it lies below. `exact`: of the median.
+    """
+    values, bound = _finite(values), threshold + margin
+    p_holds = min(1.0, 2.0 * _p_above(values, bound, exact))
+    p_fails = min(1.0, 2.0 * _p_above(-values, -bound, exact))
+    return _decided(values, p_holds, p_fails, threshold, 1.0 - ALPHA, exact)
+
+
+def equivalent(values: Floats, margin: float, exact: bool = False) -> Decision:
     """The claim that the mean of `values` (n,), paired differences, lies within ±`margin`.
 
     Holds if the 90 % interval lies within (two one-sided tests). Does not hold if the 95 % interval lies
-    wholly outside. The interval given is the 90 % one.
+    wholly outside. The interval given is the 90 % one. `exact`: of the median.
     """
     values = _finite(values)
-    p_holds = max(_p_above(values, -margin), _p_above(-values, -margin))
-    p_fails = min(1.0, 2.0 * min(_p_above(values, margin), _p_above(-values, margin)))
-    return _decided(values, p_holds, p_fails, 0.0, 1.0 - 2.0 * ALPHA)
+    p_holds = max(_p_above(values, -margin, exact), _p_above(-values, -margin, exact))
+    p_fails = min(1.0, 2.0 * min(_p_above(values, margin, exact), _p_above(-values, margin, exact)))
+    return _decided(values, p_holds, p_fails, 0.0, 1.0 - 2.0 * ALPHA, exact)
 
 
 def all_hold(decisions: Sequence[Decision]) -> bool | None:
@@ -133,17 +157,21 @@ def hedges_g(values: Floats, threshold: float = 0.0) -> float:
     return correction * (float(values.mean()) - threshold) / deviation
 
 
-def _decided(values: Floats, p_holds: float, p_fails: float, threshold: float, confidence: float) -> Decision:
+def _decided(
+    values: Floats, p_holds: float, p_fails: float, threshold: float, confidence: float, exact: bool
+) -> Decision:
     agrees = False if p_fails < ALPHA else True if p_holds < ALPHA else None
-    mean, low, high = mean_interval(values, confidence)
-    return Decision(agrees, p_holds, p_fails, mean, low, high, len(values), hedges_g(values, threshold))
+    middle, low, high = (median_interval if exact else mean_interval)(values, confidence)
+    return Decision(agrees, p_holds, p_fails, middle, low, high, len(values), hedges_g(values, threshold))
 
 
-def _p_above(values: Floats, bound: float) -> float:
-    """One-sided p-value for a mean above `bound`; 1 below `FEWEST` values."""
+def _p_above(values: Floats, bound: float, exact: bool) -> float:
+    """One-sided p-value for a mean, or a median, above `bound`; 1 below `FEWEST` values."""
     mean, error, n = _mean_error(values)
     if n < FEWEST:
         return 1.0
+    if exact:
+        return float(stats.binom.sf(int((values > bound).sum()) - 1, n, 0.5))
     if error <= 1e-12 * max(1.0, abs(bound)):  # all alike, up to rounding
         return 0.0 if mean > bound else 1.0
     return float(stats.t.sf((mean - bound) / error, n - 1))

@@ -312,6 +312,37 @@ def test_exact_ranges_are_left_out_where_nobody_reads_them(arena):
         np.testing.assert_array_equal(left, right)
 
 
+# a narrower view
+
+
+@pytest.mark.parametrize("sweep", [False, True])
+@pytest.mark.parametrize("view_deg", [0.0, 90.0, 150.0, 180.0, 239.0])
+def test_nothing_is_seen_out_of_view_and_all_the_same_within(arena, view_deg, sweep):
+    scene = arena([(0, 0, 0), (0.9, 0.5, 0), (-0.3, 1.0, 0), (-0.8, -0.5, 0)], [wall_at(2.0), (0, 2, 0, 5, 0.1)])
+    laser = HARSH._replace(dropout=0.0, sweep=sweep)
+    whole, narrow = lasers_of(scene, laser), lasers_of(scene, laser._replace(view_deg=view_deg))
+    seen, truth = whole.read(scene.data, 0, 0.0, for_ranges(), for_light())
+    part, part_truth = narrow.read(scene.data, 0, 0.0, for_ranges(), for_light())
+    inside = np.abs(np.degrees(ANGLES)) <= view_deg / 2.0
+    assert 0 < inside.sum() < BEAMS
+    assert np.isinf(part.ranges[~inside]).all()
+    assert np.all(part_truth.owners[~inside] == NOBODY)
+    assert np.all(part.intensities[~inside] == 0.0)
+    # the beams at the border have no neighbour beyond it to be mixed with
+    deep = np.convolve(inside, [1, 1, 1], mode="same") == 3
+    np.testing.assert_array_equal(part.ranges[deep], seen.ranges[deep])
+    np.testing.assert_array_equal(part.intensities[deep], seen.intensities[deep])
+    np.testing.assert_array_equal(part_truth.owners[deep], truth.owners[deep])
+    hits = lasers_of(scene, IDEAL._replace(view_deg=view_deg)).read(scene.data, 0, 0.0, for_ranges())[1]
+    assert [int((hits.owners == k).sum()) for k in range(1, 4)] == hits.lit[1:].tolist()
+
+
+def test_the_usual_view_has_every_beam(arena):
+    scene = arena([(0, 0, 0)], [(0, 1.5, 0, 9, 0.1), (0, -1.5, 0, 9, 0.1)])
+    assert np.isfinite(lasers_of(scene, IDEAL).read(scene.data, 0, 0.0, for_ranges())[0].ranges[[0, -1]]).all()
+    assert Parameters().view_deg >= 2.0 * np.degrees(np.abs(ANGLES).max())
+
+
 # the sweep
 
 

@@ -179,6 +179,14 @@ def test_supplements_must_have_the_settings_of_the_run(tmp_path: Path) -> None:
     assert len(found.trials) == 18
     with pytest.raises(UndecidedError, match=r"herd\.sensors.* = "):
         supplement(main, "detection-ideal", {}, ())
+    given = main.trials
+    narrow = {"sensors.view_deg": 150.0}
+    main.trials = [dataclasses.replace(t, groups=(dataclasses.replace(t.groups[0], setup=narrow),)) for t in given]
+    with pytest.raises(UndecidedError, match=r"herd\.sensors\.view_deg = 150.*have 240"):
+        supplement(main, "detection-ideal", {}, ("herd.sensors",))
+    main.trials = [dataclasses.replace(t, formation="split-group") if t.repeat == 2 else t for t in given]
+    with pytest.raises(UndecidedError, match=r"formation of repeat 2 = split-group.*have single-group"):
+        supplement(main, "detection-ideal", {}, ("herd.sensors",))
 
 
 def test_a_cell_is_its_repeats() -> None:

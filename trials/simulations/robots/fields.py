@@ -21,7 +21,7 @@ TWO_SCANS, NO_ASSOCIATION = ASSOCIATIONS = ("two-scans", "none")
 AS_LAW, AVOID, VIRTUAL = OBSTACLE_CHOICES = ("as-law", "avoid", "virtual-members")
 TOGETHER = "together"
 """The formation of a group that has none of its own and shares the trial's."""
-SENSORS, ASSOCIATION, AVOIDANCE = "sensors.", "association.", "avoidance."
+SENSORS, ASSOCIATION, AVOIDANCE, FORMATION = "sensors.", "association.", "avoidance.", "formation."
 
 
 def world_names() -> list[str]:
@@ -163,11 +163,20 @@ def trial(
     world: str = TrialFields().world,
     formation: str = TrialFields().formation,
     world_parameters: Mapping[str, Value] | None = None,
+    formation_parameters: Mapping[str, Value] | None = None,
     **setup: Value,
 ) -> Trial:
     """A trial of robots; `setup`: of `TrialFields`."""
     return Trial(
-        experiment, repeat, NAME, world, formation, tuple(groups), world_parameters=world_parameters or {}, setup=setup
+        experiment,
+        repeat,
+        NAME,
+        world,
+        formation,
+        tuple(groups),
+        world_parameters=world_parameters or {},
+        formation_parameters=formation_parameters or {},
+        setup=setup,
     )
 
 
@@ -183,7 +192,7 @@ def group(
     spread: Mapping[str, float] | None = None,
     **setup: Value,
 ) -> Group:
-    """A group of robots; `setup`: of `GroupFields`, and below `sensors.`, `association.` and `avoidance.`.
+    """A group of robots; `setup`: of `GroupFields`, below `sensors.`, `association.`, `avoidance.` and `formation.`.
 
     `law`: a law's name, or the path of a file, whose text is read. Raises `InputError` where it cannot be.
     """

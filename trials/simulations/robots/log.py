@@ -33,6 +33,8 @@ class Block(NamedTuple):
     """(K, 2) of the inputs."""
     owners: NDArray[np.int16]
     """(K,)."""
+    selected: Bools
+    """(K,)."""
     states: NDArray[np.int8]
     """(U, N)."""
 
@@ -52,6 +54,7 @@ class Log:
     updates: list[tuple[float, ...]] = field(default_factory=list)
     inputs: list[Floats] = field(default_factory=list)
     owners: list[Any] = field(default_factory=list)
+    selected: list[Bools] = field(default_factory=list)
     states: list[Any] = field(default_factory=list)
     blocks: list[Block] = field(default_factory=list)
     scans: list[tuple[float, int, Floats]] = field(default_factory=list)
@@ -75,11 +78,12 @@ class Log:
         robot: int,
         pose_w: Floats,
         detection: Detection,
+        selected: Bools,
         judgement: tuple[Any, Any, int, int, int],
         motion: Motion,
         command: tuple[float, float],
     ) -> None:
-        """Adds one robot's update; `judgement` as `sensing.truth.judge` gives it."""
+        """Adds one robot's update; `selected` (M,) members of the detection; `judgement` as `sensing.truth.judge`."""
         owners, states, lit, missed, made_up = judgement
         self.updates.append(
             (
@@ -98,6 +102,7 @@ class Log:
         )
         self.inputs.append(detection.members.positions)
         self.owners.append(owners)
+        self.selected.append(selected)
         self.states.append(states)
         if len(self.updates) == PACKED_AT:
             self._pack()
@@ -165,15 +170,17 @@ class Log:
                 np.array([len(rows) for rows in self.inputs], dtype=np.int64),
                 np.concatenate([np.empty((0, 2)), *self.inputs]).astype(np.float32),
                 np.concatenate([np.empty(0), *self.owners]).astype(np.int16),
+                np.concatenate([np.empty(0, np.bool_), *self.selected]),
                 np.array(self.states, dtype=np.int8).reshape(-1, self.robots),
             )
         )
-        for rows in (self.updates, self.inputs, self.owners, self.states):
+        for rows in (self.updates, self.inputs, self.owners, self.selected, self.states):
             rows.clear()
 
     def _updates(self) -> Updates:
         self._pack()
-        table, counts, positions, owners, states = (np.concatenate(parts) for parts in zip(*self.blocks, strict=True))
+        whole_blocks = zip(*self.blocks, strict=True)
+        table, counts, positions, owners, selected, states = (np.concatenate(parts) for parts in whole_blocks)
         self.blocks.clear()
         starts = np.zeros(len(counts) + 1, dtype=np.int64)
         np.cumsum(counts, out=starts[1:])
@@ -189,6 +196,7 @@ class Log:
             input_starts=starts,
             input_positions=positions,
             input_owners=owners,
+            input_selected=selected,
             member_states=states,
             beams_lit=whole[:, 3].copy(),
             beams_missed=whole[:, 4].copy(),

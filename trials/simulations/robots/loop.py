@@ -106,7 +106,9 @@ def run(herd: Herd, log: Log, last: int) -> None:
         command = robot.drive(motion)  # 5, after the latency
         heapq.heappush(events, (tick + robot.latency, ACT, k, command))
         heapq.heappush(events, (tick + robot.period, SENSE, k, None))
-        log.update(data.time, k, poses_w[k], detection, judge(detection, truth, k, len(robots)), motion, command)
+        selected = np.logical_or.reduce(sets)[: len(detection.members.ids)]  # virtual members come last
+        judgement = judge(detection, truth, k, len(robots))
+        log.update(data.time, k, poses_w[k], detection, selected, judgement, motion, command)
         if keep and senses.scan is not None:
             log.scan(data.time, k, poses_w[k], senses.scan)
 

@@ -6,6 +6,7 @@ and positives); the choices that it leaves open are named below and in docs/dete
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from typing import Any
 
@@ -30,7 +31,7 @@ two body-lengths, so that one member missing from a chain does not break it."""
 
 
 ABOUT: dict[str, Measure] = {
-    "none_share": Measure("", "share of updates in which nothing was detected (last command kept)"),
+    "none_share": Measure("", "share of updates in which no input was let through to the law (last command kept)"),
     "snn_share": Measure("", "share of updates in which the SNN branch was computed"),
     "ha_share": Measure("", "share of updates in which the HA way-point was computed"),
     "perpendicular_share": Measure("", "share of updates in which the perpendicular way-point was computed"),
@@ -61,7 +62,7 @@ ABOUT: dict[str, Measure] = {
     "fp_update_share": Measure("", "false positives: share of updates with an input that belongs to nobody"),
     "fp_input_share": Measure("", "share of the inputs that belong to nobody"),
     "fp_beam_share": Measure("", "share of the beams behind inputs that belong to nobody"),
-    "inputs_per_update": Measure("", "mean number of inputs given to the law"),
+    "inputs_per_update": Measure("", "mean number of inputs that the selection let through to the law"),
     "members_per_update": Measure("", "mean number of members detected"),
     "one_member_share": Measure("", "share of updates with exactly one member detected"),
     "seen_distance_q25": Measure("m", "distance to the inputs, each member seen counting once: lower quartile"),
@@ -116,7 +117,11 @@ LATE = (
 
 
 def measure(result: TrialResult) -> dict[str, float]:
-    """The measures of one trial, by the names of `ABOUT`. `result.measures` is not read."""
+    """The measures of one trial, by the names of `ABOUT`. `result.measures` is not read.
+
+    Inputs are those that the neighbour selection let through to the law; members are those that were detected.
+    """
+    result = dataclasses.replace(result, updates=result.updates.as_selected())
     found = {
         **_behaviour(result),
         **_smoothness(result),

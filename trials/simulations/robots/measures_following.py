@@ -9,10 +9,8 @@ import math
 
 import numpy as np
 
-from flocking import selection
 from flocking.angles import wrapped
-from flocking.types import Bools, Floats, Ints, Kind, Members
-from trials.simulations.robots.resolved import Resolved
+from flocking.types import Bools, Ints, Kind
 from trials.types import TrialResult, Updates
 
 SETTLED_S = 0.5
@@ -21,20 +19,11 @@ SETTLED_S = 0.5
 
 
 def followed(result: TrialResult) -> Ints:
-    """(U,) the one member to which all inputs in the law's sets belong, at updates with a way-point; else −1."""
-    updates = result.updates
+    """(U,) the one member to which all inputs let through to the law belong, at updates with a way-point; else −1."""
+    updates = result.updates.as_selected()
     chosen = np.full(len(updates.times), -1, dtype=np.int64)
-    first = 0
-    for group in result.trial.groups:
-        sets = Resolved(group).selections
-        own = (updates.robots >= first) & (updates.robots < first + group.count) & (updates.kinds == Kind.WAY_POINT)
-        if not any(sets):  # everybody is selected
-            own &= _of_one_owner(updates)
-            chosen[own] = updates.input_owners[updates.input_starts[:-1][own]]
-        else:
-            for u in np.flatnonzero(own):
-                chosen[u] = _only_owner(updates, int(u), sets)
-        first += group.count
+    own = (updates.kinds == Kind.WAY_POINT) & _of_one_owner(updates)
+    chosen[own] = updates.input_owners[updates.input_starts[:-1][own]]
     return chosen
 
 
@@ -70,25 +59,6 @@ def _of_one_owner(updates: Updates) -> Bools:
         owners = updates.input_owners
         found[some] = np.minimum.reduceat(owners, starts) == np.maximum.reduceat(owners, starts)
     return found
-
-
-def _only_owner(updates: Updates, u: int, sets: list[list[selection.Chosen]]) -> int:
-    """The one member that made all inputs in the sets; −1 if several did, or none, or if some belong to nobody."""
-    inputs = slice(updates.input_starts[u], updates.input_starts[u + 1])
-    owners = updates.input_owners[inputs].astype(np.int64)
-    kept = _chosen(updates.input_positions[inputs].astype(np.float64), owners, sets)
-    return int(owners[kept][0]) if kept.any() and (owners[kept] == owners[kept][0]).all() else -1
-
-
-def _chosen(positions: Floats, owners: Ints, sets: list[list[selection.Chosen]]) -> Bools:
-    """(M,) which inputs are in any of the sets."""
-    none = np.full(len(owners), np.nan)
-    bearings = np.arctan2(positions[:, 1], positions[:, 0])
-    members = Members(positions, bearings, none, np.full((len(owners), 2), np.nan), owners)
-    kept = np.zeros(len(owners), dtype=np.bool_)
-    for steps in sets:
-        kept |= selection.select(steps, members)
-    return kept
 
 
 def _share(of: Bools, among: Bools) -> float:

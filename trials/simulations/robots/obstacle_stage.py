@@ -42,7 +42,8 @@ class ObstacleStage:
         if self.virtual and len(obstacles.points):
             members = avoidance.with_virtual_members(members, obstacles, velocity, self.parameters.virtual_range_m)
             if self._needs_headings:
-                members = only(members, np.flatnonzero(~np.isnan(members.headings)))
+                detected = np.arange(len(members.ids)) < len(detection.members.ids)
+                members = only(members, np.flatnonzero(detected | ~np.isnan(members.headings)))
         return Detection(members, obstacles, detection.beams)
 
     def avoided(self, motion: Motion, velocity: Floats, dt: float, obstacles: Obstacles, rule: int) -> Motion:

@@ -40,7 +40,7 @@ def send_updates(recording: rr.RecordingStream, result: TrialResult) -> None:
     origins = updates.poses_w[:, :2].astype(np.float32)
     aimed = (updates.kinds == Kind.WAY_POINT) & np.isfinite(way_points_w).all(axis=1)
     shown, picked = _shown_inputs(result)
-    nearest = nearest_inputs(updates)
+    nearest = nearest_inputs(updates.as_selected())
     distances = np.hypot(nearest[:, 0], nearest[:, 1])
     for k, name in enumerate(result.robot_names):
         mine = np.flatnonzero(updates.robots == k)

@@ -74,7 +74,7 @@ def listed(kind: str) -> Mapping[str, object]:
         return {name: bodies.package(name) for name in bodies.names()}
     if kind == "worlds":
         return {name: found.load(fields.WORLDS, name, "world") for name in fields.world_names()}
-    return {f"robots: {name}": function for name, function in formations.FORMATIONS.items()}
+    return {f"robots: {name}": formation.place for name, formation in formations.FORMATIONS.items()}
 
 
 SIMULATION = Simulation(

@@ -9,7 +9,8 @@ from scipy.spatial.distance import cdist
 
 from flocking.errors import InputError
 from flocking.types import Floats
-from trials.simulations.robots.fields import TOGETHER, of_group
+from trials.rows import below
+from trials.simulations.robots.fields import FORMATION, TOGETHER, of_group
 from trials.streams import Purpose, stream
 from trials.types import Trial
 from worlds import formations
@@ -25,15 +26,18 @@ def starting_poses(trial: Trial) -> Floats:
     given = [of_group(group) for group in trial.groups]
     shared = sum(fields.count for fields in given if fields.formation == TOGETHER)
     rng = stream(trial.seed, trial.repeat, 0, 0, Purpose.START)
-    together = formations.poses(trial.formation, shared, rng) if shared else np.empty((0, 3))
+    together = (
+        formations.poses(trial.formation, trial.formation_parameters, shared, rng) if shared else np.empty((0, 3))
+    )
     parts, placed = [], 0
-    for number, fields in enumerate(given):
+    for number, (group, fields) in enumerate(zip(trial.groups, given, strict=True)):
         if fields.formation == TOGETHER:
             parts.append(together[placed : placed + fields.count])
             placed += fields.count
             continue
         rng = stream(trial.seed, trial.repeat, number + 1, 0, Purpose.START)
-        own = formations.poses(fields.formation, fields.count, rng)
+        numbers = below(group.setup, FORMATION)
+        own = formations.poses(fields.formation, numbers, fields.count, rng, f"{group.name}.{FORMATION}")
         turn = math.radians(fields.start_heading_deg)
         c, s = math.cos(turn), math.sin(turn)
         x, y = own[:, 0], own[:, 1]

@@ -38,8 +38,8 @@ def claims(run: Run) -> list[Entry]:
 
 
 def _questions(cells: Cells) -> list[Question]:
-    rises = "for every size: slope of the accuracy over all shares with somebody informed, above 0"
-    sizes = f"slope of the accuracy over the logarithm of the size above 0, for the shares up to {FEW:g}"
+    rises = f"for every size: slope of the accuracy over all shares with somebody informed, above {MARGIN:g}"
+    sizes = f"slope of the accuracy over the logarithm of the size above {MARGIN:g}, for the shares up to {FEW:g}"
     judges = (all_must_hold(rises, partial(_rises, cells)), all_must_hold(sizes, partial(_sizes, cells)))
     return [
         claim_of(__package__, "couzin2005", "figure_1", number, "accuracy", judge)

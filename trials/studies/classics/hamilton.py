@@ -43,7 +43,7 @@ def _small(cells: Cells, law: str) -> list[Outcome]:
     free = 1.0 - cells.array("largest_share_end", law)
     return [
         above(f"groups at the end, {law}", cells.array("groups_end", law), MANY, GROUPS_MARGIN),
-        above(f"share of the members outside the largest group, {law}", free, HALF, SHARE_MARGIN),
+        above(f"share of the members outside the largest group, {law}", free, HALF, SHARE_MARGIN, bounds=(0.0, 1.0)),
     ]
 
 

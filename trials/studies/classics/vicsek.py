@@ -32,7 +32,7 @@ def claims(run: Run) -> list[Entry]:
 
 def _questions(cells: Cells) -> list[Question]:
     falls = f"N {MEMBERS}: order above {ORDERED} at noise {QUIET:g} and below {DISORDERED} at noise {LOUD:g}"
-    sizes = f"paired differences above 0, at every noise of at least {LARGE_NOISE:g} and from size to size"
+    sizes = f"paired differences above {MARGIN:g}, at every noise of at least {LARGE_NOISE:g} and from size to size"
     judges = (all_must_hold(falls, partial(_falls, cells)), all_must_hold(sizes, partial(_sizes, cells)))
     return [
         claim_of(__package__, "vicsek1995", "figure_2", number, "order", judge)

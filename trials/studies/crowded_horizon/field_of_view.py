@@ -1,8 +1,8 @@
 """Figure 4.4 of Fine 2015 as numbers: how directional LCH becomes when members see 240 degrees.
 
 Directional motion is the net displacement of the group's centre from start to end. It counts as more with the limited
-view where the paired difference exceeds 0, and one below a margin, the size of a step times the root of the number of
-steps (what a random walk of the centre would reach), does not count.
+view where the paired difference exceeds a margin, the size of a step times the root of the number of steps (what a
+random walk of the centre would reach).
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ def claims(run: Run) -> list[Entry]:
 def _questions(cells: Cells) -> list[Question]:
     margin = random_walk_m(cells.trials[0])
     judge = all_must_hold(
-        f"paired differences above 0, of at least {margin:.2f} m and {DIRECTED_MARGIN:g} to count",
+        f"paired differences above {margin:.2f} m and {DIRECTED_MARGIN:g}",
         partial(_directional, cells, margin),
     )
     return [claim_of(__package__, "fine2015", "lch_claims", 3, "240 degrees less all around", judge)]

@@ -20,6 +20,7 @@ import numpy as np
 from trials.evidence.claims import Entry, Question, all_must_hold, answers, published
 from trials.evidence.outcomes import Outcome, above, more, near, same
 from trials.evidence.runs import Cells, Run
+from trials.evidence.statistics import near_a_bound
 
 LAW = "herd.law"
 SIMULATED = published(__package__, "fine2015", "table_4_1")
@@ -126,9 +127,10 @@ def _following(cells: Cells, information: str, threshold: float | None) -> list[
     here, there = cell(group, threshold), cell(member)
     shares = cells.array("follow_share", *here)
     more_often = cells.difference("follow_share", here, there)
+    exact = any(near_a_bound(values) for values in (shares, cells.array("follow_share", *there)))
     straighter = cells.difference("straightness", here, there)
     return [
         above(f"share of way-points, {group}", shares, MOST, DIFFERENCE, bounds=(0.0, 1.0)),
-        more(f"share of way-points, {group} less {member}", more_often, DIFFERENCE),
+        more(f"share of way-points, {group} less {member}", more_often, DIFFERENCE, exact=exact),
         more(f"straightness, {group} less {member}", straighter, DIFFERENCE, decides=False),
     ]

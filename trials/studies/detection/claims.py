@@ -5,7 +5,7 @@ The tests stand in trials.studies.detection.judges, their reasons in docs/detect
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -15,7 +15,8 @@ from trials.batch.folders import newest
 from trials.batch.store import opened
 from trials.evidence.claims import Entry, answered, claim_of
 from trials.evidence.runs import Cells, Run, UndecidedError, arms
-from trials.studies.detection.judges import JUDGES, KEYS, Data
+from trials.studies.detection.conditions import KEYS, VIEW
+from trials.studies.detection.judges import JUDGES, Data
 from trials.types import Trial
 
 Find = Callable[[Run, str, Mapping[str, Any], Collection[str]], Cells]
@@ -58,8 +59,8 @@ def _opened(used: list[Cells], find: Callable[[], Cells]) -> Cells:
 def supplement(run: Run, experiment: str, arm: Mapping[str, Any], besides: Collection[str]) -> Cells:
     """The trials of the newest run of a supplementary experiment whose settings are those of an arm of `run`.
 
-    Looked for beside the run and below `runs/`. They may differ in the claims' own conditions, in their
-    formation (it goes by repeat), and in the keys `besides` with all below them. Raises `UndecidedError` if there
+    Looked for beside the run and below `runs/`. They may differ in the claims' own conditions and in the keys `besides`
+    with all below them; formations, which go by repeat, are compared repeat by repeat. Raises `UndecidedError` if there
     is none.
     """
     folder = _newest(run, experiment)
@@ -73,10 +74,10 @@ def supplement(run: Run, experiment: str, arm: Mapping[str, Any], besides: Colle
         rows = other.rows()
     finally:
         other.close()
-    wanted = _settings(next(t for t in run.trials if arm.items() <= t.conditions.items()), besides)
+    wanted = _settings([trial for trial in run.trials if arm.items() <= trial.conditions.items()], besides)
     differences = []
     for _, trials in arms(other, KEYS):
-        given = _settings(trials[0], besides)
+        given = _settings(trials, besides)
         differ = sorted(key for key in wanted.keys() & given.keys() if wanted[key] != given[key])
         if not differ:
             return Cells(trials, rows, KEYS)
@@ -94,13 +95,17 @@ def _newest(run: Run, experiment: str) -> Path | None:
     return None
 
 
-def _settings(trial: Trial, besides: Collection[str]) -> dict[str, Any]:
-    """What a trial was run with, but for its conditions, formation and `besides`."""
+def _settings(trials: Sequence[Trial], besides: Collection[str]) -> dict[str, Any]:
+    """What trials of one arm were run with, but for their conditions and `besides`; the formation of each repeat.
+
+    The laser's view is no part of its noise: it is compared whatever `besides` says.
+    """
     from trials.keys import rows
 
     left_out = (*KEYS, *besides)
-    return {
+    found = {
         row.key: row.value
-        for row in rows(trial)
-        if row.key != "formation" and not any(row.key == key or row.key.startswith(f"{key}.") for key in left_out)
+        for row in rows(trials[0])
+        if row.key == VIEW or not any(row.key == key or row.key.startswith(f"{key}.") for key in left_out)
     }
+    return found | {f"formation of repeat {trial.repeat}": trial.formation for trial in trials}

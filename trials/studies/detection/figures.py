@@ -13,7 +13,7 @@ from flocking.errors import InputError
 from trials.evidence.runs import Run, arms
 from trials.reports import figures as draw
 from trials.reports.figures import Canvas, Figure
-from trials.studies.detection.judges import EXCLUSION, KEYS, MEMBER, PIPELINE, SENSOR
+from trials.studies.detection.conditions import EXCLUSION, KEYS, MEMBER, PIPELINE, SENSOR
 from trials.types import Trial, TrialResult
 
 PUBLISHED = ((MEMBER, 0.0, "2.6"), (SENSOR, 0.0, "2.7"), (SENSOR, 0.5, "2.8"), (SENSOR, 1.0, "2.9"))
@@ -77,7 +77,7 @@ def figures(run: Run, folder: Path) -> list[Figure]:
             folder,
             "inputs",
             "Inputs' distances over time",
-            "One dot an input given to the law, one colour a robot, black: belongs to nobody. "
+            "One dot an input let through to the law, one colour a robot, black: belongs to nobody. "
             "As figures 2.6 to 2.9 of Fine 2015; one trial each.",
             dots=True,
         ),
@@ -108,7 +108,7 @@ def inputs_over_time(panels: Sequence[tuple[str, TrialResult | None]]) -> Canvas
         if result is None:
             draw.absent(axis)
             continue
-        updates = result.updates
+        updates = result.updates.as_selected()
         of_update = np.repeat(np.arange(len(updates.times)), np.diff(updates.input_starts))
         positions = updates.input_positions.astype(np.float64)
         distances, who = np.hypot(positions[:, 0], positions[:, 1]), updates.robots[of_update]

@@ -20,8 +20,10 @@ from trials.studies.information.law_judges import IN_WORDS, Cell, alike, better,
 from trials.studies.information.law_survey import CONTROL, LAW, judged_by, told_apart_by
 from trials.studies.information.verdict_maps import Square, verdict_map
 from trials.types import Value
-from worlds.formations import SPACING
+from worlds.formations import SingleGroup
 
+SPACING = SingleGroup().spacing_m
+"""m between neighbours of the starting formation."""
 DETAIL, DETECTION = "herd.selection", "herd.pipeline"
 KEYS = (LAW, DETAIL, DETECTION)
 DETECTIONS = PERFECT, *_ = ("perfect", "member-based", "member-extrapolated", "sensor-based")

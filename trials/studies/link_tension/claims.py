@@ -20,6 +20,7 @@ from flocking.types import Floats
 from trials.evidence.claims import Entry, Question, all_must_hold, answers, claim_of, published
 from trials.evidence.outcomes import Outcome, above, same
 from trials.evidence.runs import Cells, Run, UndecidedError
+from trials.evidence.statistics import near_a_bound
 from trials.simulations.kinematic.lattice_starts import BOTH, POSITION, VELOCITY
 from trials.simulations.kinematic.links import counts, share
 from trials.studies.link_tension.estimates import foretold, one_more
@@ -189,7 +190,8 @@ def _others_alike(cells: Cells) -> list[Outcome]:
                 f"share held of those {name}, {formation}, alpha {alpha:g}, strength {strength:g}, "
                 f"t = {start} to {start + 1}"
             )
-            found.append(same(label, differences, ALMOST, decides=formation != BOTH))
+            exact = any(near_a_bound(np.array(list(shares.values()))) for shares in (usual, other))
+            found.append(same(label, differences, ALMOST, decides=formation != BOTH, exact=exact))
     if not any(outcome.decides for outcome in found):
         raise UndecidedError("the run has no other setting with links that were so foretold")
     return found

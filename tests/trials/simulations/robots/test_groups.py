@@ -12,7 +12,7 @@ import pytest
 
 import trials.studies
 from flocking.errors import InputError
-from trials import design, simulations
+from trials import design, keys, simulations
 from trials.simulations.robots import fields
 from trials.simulations.robots.herd import assemble
 from trials.simulations.robots.starts import check_starts, starting_poses
@@ -101,6 +101,23 @@ class TestFormations:
         expected = np.stack([1.0 - y, 2.0 + x, plain[:, 2] + math.pi / 2], axis=1)
         np.testing.assert_allclose(turned, expected, atol=1e-12)
 
+    def test_a_groups_own_formation_has_parameters_of_its_own(self) -> None:
+        changed = keys.put(pursuit(count=4), "pursuer.formation.spacing_m", 0.5)
+        wide, close = (starting_poses(trial)[3:, :2] for trial in (pursuit(count=4), changed))
+        # both have the same jitter about places that are twice as far apart
+        block = np.array([[0.5, 0.5], [0.5, -0.5], [-0.5, 0.5], [-0.5, -0.5]])
+        np.testing.assert_allclose(wide - close, 0.5 * block, atol=1e-12)
+        np.testing.assert_array_equal(starting_poses(changed)[:3], starting_poses(pursuit())[:3])
+        assert {row.key: row.value for row in keys.rows(changed)}["pursuer.formation.spacing_m"] == 0.5
+        with pytest.raises(InputError, match=r"unknown parameter 'herd\.formation\.spacing_m'"):
+            keys.put(pursuit(), "herd.formation.spacing_m", 0.5)  # it has none of its own
+
+    def test_the_trials_formation_has_parameters(self) -> None:
+        trial = keys.put(pursuit(count=1), "formation.heading_spread_deg", 0.0)
+        assert np.all(starting_poses(trial)[:3, 2] == 0.0)
+        with pytest.raises(InputError, match=r"formation\.jitter_m = -1"):
+            keys.put(pursuit(), "formation.jitter_m", -1.0)
+
     def test_repeats_differ_and_conditions_do_not(self) -> None:
         first, same = starting_poses(pursuit()), starting_poses(pursuit(speed_m_s=0.1))
         np.testing.assert_array_equal(first, same)
@@ -114,7 +131,7 @@ class TestFormations:
             ({"start_y_m": 1.05}, r"pursuer-1 starts at .* reaches 0\.\d\d m into a wall; expected a start within"),
             ({"start_y_m": 1.1}, r"pursuer-1 starts at .* m, inside a wall; expected a start within the world"),
             ({"start_y_m": 30.0}, r"pursuer-1 starts at .* m, behind a wall; expected a start within the world"),
-            ({"formation": "single"}, r"unknown formation 'single'; did you mean single-group"),
+            ({"formation": "single"}, r"unknown formation 'single'; did you mean single-file or single-group"),
             ({"name": "herd"}, "two groups are called 'herd'"),
             ({"name": "world"}, "group 'world': expected a name of letters"),
             ({"body": "creates"}, r"unknown body 'creates'; did you mean create"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Sequence
 
@@ -10,6 +11,7 @@ import pytest
 
 from flocking.types import Floats, Kind
 from sensing.truth import DETECTED, HIDDEN, MISSED
+from trials.simulations import run_trial
 from trials.simulations.robots import fields
 from trials.simulations.robots.measures import ABOUT, measure, nearest_inputs, way_point_angles
 from trials.types import Contacts, TrialResult, Updates
@@ -51,6 +53,7 @@ def trial_of(
         input_starts=np.concatenate([[0], np.cumsum([len(row[5]) for row in rows])]).astype(np.int64),
         input_positions=np.array([g[:2] for g in inputs], dtype=np.float32).reshape(-1, 2),
         input_owners=np.array([g[2] for g in inputs], dtype=np.int16),
+        input_selected=np.ones(len(inputs), dtype=np.bool_),
         member_states=np.array(states if states is not None else np.zeros((count, robots)), dtype=np.int8).reshape(
             -1, robots
         ),
@@ -236,6 +239,36 @@ def test_false_negatives_and_positives() -> None:
     assert found["seen_distance_q50"] == 4.0
     assert found["seen_distance_q25"] == 3.0
     assert found["seen_distance_q75"] == 4.5
+
+
+def test_inputs_that_the_selection_kept_from_the_law_do_not_count() -> None:
+    """The same trial twice: with what the selection held back, and without it."""
+    near, far, phantom = (0.5, 0.0, 1), (1.0, 2.0, 1), (0.1, 0.1, -1)
+    motion = (Kind.WAY_POINT, 2, (1.0, 2.0))
+    whole = trial_of(
+        [
+            (1.0, 0, *motion, [near, far, phantom]),
+            (2.0, 1, Kind.HOLD, 0, NAN, [phantom]),
+            (3.0, 0, Kind.STOP, 1, NAN, [near]),
+        ]
+    )
+    part = trial_of([(1.0, 0, *motion, [far]), (2.0, 1, Kind.HOLD, 0, NAN, []), (3.0, 0, Kind.STOP, 1, NAN, [near])])
+    kept = np.array([False, True, False, False, True])
+    limited = dataclasses.replace(whole, updates=dataclasses.replace(whole.updates, input_selected=kept))
+    found, expected = measure(limited), measure(part)
+    assert {name: found[name] for name in found} == pytest.approx(expected, nan_ok=True)
+    assert found["acts_as_snn_share"] == 1.0
+    assert found["fp_update_share"] == 0.0
+    assert measure(whole)["acts_as_snn_share"] == 1 / 3
+
+
+def test_a_trial_keeps_what_its_selection_let_through() -> None:
+    herd = fields.group("snn", 4, pipeline="perfect", selection="nearest")
+    updates = run_trial(fields.trial("made-up", 1, [herd], duration_s=1.0), reraise=True).updates
+    counts, kept = np.diff(updates.input_starts), np.diff(updates.as_selected().input_starts)
+    assert counts.max() > 1
+    np.testing.assert_array_equal(kept, np.minimum(counts, 1))
+    np.testing.assert_array_equal(nearest_inputs(updates.as_selected()), nearest_inputs(updates))
 
 
 def test_formation_collisions_and_way() -> None:

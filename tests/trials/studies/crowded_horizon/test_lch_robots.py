@@ -5,23 +5,26 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Callable
+from itertools import pairwise
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from flocking.types import Kind
+from flocking import selection
+from flocking.types import Bools, Kind, Members
 from tests.trials.made_up_run import MadeUpRun, finished
 from tests.trials.simulations.robots.test_measures import NAN, trial_of
 from trials import simulations
 from trials.design import plan
 from trials.simulations.robots import fields
 from trials.simulations.robots.measures_following import followed, following
+from trials.simulations.robots.resolved import Resolved
 from trials.studies.crowded_horizon.figures import VARIATIONS
 from trials.studies.crowded_horizon.lch_robots import claims
 from trials.studies.crowded_horizon.robots_claims import THRESHOLDS
 from trials.studies.crowded_horizon.robots_figures import longest_blind, most_followed
-from trials.types import TrialResult
+from trials.types import Group, TrialResult, Updates
 
 AHEAD, BESIDE, NEAR_IT = (1.0, 0.0, 1), (0.0, 1.2, 2), (0.1, 1.2, 0)
 
@@ -39,7 +42,22 @@ def watched(law: str) -> TrialResult:
         ],
         robots=3,
     )
-    return dataclasses.replace(result, trial=dataclasses.replace(result.trial, groups=(fields.group(law, 3),)))
+    group = fields.group(law, 3)
+    updates = dataclasses.replace(result.updates, input_selected=let_through(group, result.updates))
+    return dataclasses.replace(result, updates=updates, trial=dataclasses.replace(result.trial, groups=(group,)))
+
+
+def let_through(group: Group, updates: Updates) -> Bools:
+    """(K,) the inputs that are in one of the sets of the group's law."""
+    kept = np.zeros(len(updates.input_owners), dtype=np.bool_)
+    for start, end in pairwise(updates.input_starts):
+        positions = updates.input_positions[start:end].astype(np.float64)
+        none, ids = np.full(len(positions), np.nan), updates.input_owners[start:end].astype(np.int64)
+        bearings = np.arctan2(positions[:, 1], positions[:, 0])
+        members = Members(positions, bearings, none, np.full((len(positions), 2), np.nan), ids)
+        for steps in Resolved(group).selections:
+            kept[start:end] |= selection.select(steps, members)
+    return kept
 
 
 @pytest.mark.parametrize(

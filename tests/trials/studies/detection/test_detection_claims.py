@@ -18,7 +18,7 @@ from made_up_run import MadeUpRun, made_up_run
 from trials.evidence.claims import Entry, published
 from trials.evidence.runs import Cells, Run, UndecidedError
 from trials.studies.detection.claims import claims
-from trials.studies.detection.judges import KEYS
+from trials.studies.detection.conditions import KEYS
 
 SWEEP = (0.0, 0.2, 0.3, 0.5, 1.0, 2.0, 5.6)
 IDEAL = (0.0, 0.35, 0.5, 1.0)
@@ -124,8 +124,37 @@ def test_each_claim_holds_where_it_is_true() -> None:
 
     found = verdicts(judged(as_published, ideal=all_alike, sweep=alike_at_a_diameter))
     assert found[:11] == [True] * 11
-    assert found[11] is False
+    assert found[11] is None
     assert found[12] is True
+    assert verdicts(judged(as_published, repeats=42))[11] is False
+
+
+def test_seven_repeats_are_too_few_to_refute_many_outcomes_on_shares_near_a_bound() -> None:
+    """Of seven repeats the sign test's smallest p-value is 2 / 2^7 = 0.016, and claim 12 has seven outcomes."""
+    seven, many = (judged(as_published, repeats=repeats)[11] for repeats in (7, 42))
+    assert "exact sign tests" in seven.test
+    assert (seven.agrees, many.agrees) == (None, False)
+
+
+def test_a_difference_that_may_be_too_small_to_count_does_not_hold_yet() -> None:
+    """Claim 7 wants the extrapolated way-points less smooth by a tenth at least."""
+
+    def hardly(pipeline: str, exclusion: float) -> dict[str, float]:
+        rough = {"member-based": 0.100, "member-extrapolated": 0.105}
+        return as_published(pipeline, exclusion) | {"smoothness": rough.get(pipeline, 0.2)}
+
+    assert judged(hardly)[6].agrees is False  # a ratio of 1.05, and above 1
+    assert judged(hardly, spread=0.2)[6].agrees is None
+
+
+def test_the_power_at_seven_repeats_is_told() -> None:
+    entries = judged(as_published, repeats=42, spread=0.15)
+    for number in (2, 12):  # many outcomes, each to lie within a narrow margin
+        entry = entries[number - 1]
+        assert 0.0 <= entry.power < 0.2
+        assert f"7 repeats show it in {100 * entry.power:.0f} % of runs" in entry.test
+        assert entry.as_json()["power"] == entry.power
+    assert judged(as_published)[5].power > 0.99  # claim 6: all alike but for a hundredth
 
 
 def test_claim_12_holds_where_nothing_changes() -> None:
@@ -133,7 +162,7 @@ def test_claim_12_holds_where_nothing_changes() -> None:
 
 
 def test_each_claim_fails_where_its_contrary_is_true() -> None:
-    found = verdicts(judged(opposite, ideal=opposite, sweep=opposite))
+    found = verdicts(judged(opposite, ideal=opposite, sweep=opposite, repeats=42))
     assert found == [False] * 13
 
 

@@ -352,7 +352,9 @@ def test_every_table_number_and_claim_has_an_entry(run: _Run) -> None:
     assert len(entries) == 6 + 6 + 3
     tables = [entry for entry in entries if entry.quantity.startswith("table")]
     assert all(len(entry.outcomes) == 4 and entry.agrees is None for entry in tables)  # of three seeds nothing is said
-    assert [entry.agrees for entry in entries if entry.quantity.startswith("claim 1")] == [True]
+    (first,) = [entry for entry in entries if entry.quantity.startswith("claim 1")]
+    assert first.agrees is None  # nor of shares near 1
+    assert first.measured > 0.95
 
 
 def test_tables_add_up_to_the_links(run: _Run) -> None:
