@@ -24,9 +24,10 @@ import numpy as np
 from flocking import found
 from flocking.compilation import PACKAGES, cache_folder
 from flocking.errors import InputError
+from flocking.found import is_path
 from flocking.parameters import Relation, declared, filled, relation
 from flocking.selection import parse_sets
-from flocking.taxonomy import Filled, Herd, Taxonomy, Validation
+from flocking.taxonomy import USUAL_HERD, Filled, Herd, Taxonomy, Validation
 from flocking.types import Bools, Floats, Kind, Members, Motion, Obstacles, Own
 
 ENTRY_SIGNATURE = (
@@ -116,7 +117,7 @@ class Law:
     @property
     def herd(self) -> Herd:
         """A kinematic herd in which its numbers make sense."""
-        herd: Herd = getattr(self.module, "HERD", Herd(1.0, 1.0, 0.1))
+        herd: Herd = getattr(self.module, "HERD", USUAL_HERD)
         return herd
 
     @property
@@ -187,11 +188,6 @@ def names() -> list[str]:
     return sorted(found.modules("flocking.laws"))
 
 
-def is_path(name: str) -> bool:
-    """Whether `--law NAME` means a file of the user's own."""
-    return name.endswith(".py") or os.sep in name
-
-
 def read_source(path: str) -> str:
     """The text of a user's law file; `InputError` if it cannot be read."""
     try:
@@ -208,6 +204,12 @@ def module_of(name: str, source: str = "") -> ModuleType:
     """A law's module, imported but not compiled: its parameters and what it declares. `InputError` as in `load`."""
     if is_path(name):
         return _imported(name, source or read_source(name))[0]
+    return _named(name)
+
+
+@cache
+def _named(name: str) -> ModuleType:
+    """The module of a law of that name; a plan of thousands of trials asks for it many times."""
     return found.load("flocking.laws", name, "law")
 
 
@@ -267,7 +269,7 @@ def load(name: str, source: str = "") -> Law:
 
 @cache
 def _load_named(name: str) -> Law:
-    module = found.load("flocking.laws", name, "law")
+    module = _named(name)
     path = Path(str(module.__file__))
     return _compile(name, module, path, boundscheck=False)
 

@@ -63,3 +63,7 @@ class Herd(NamedTuple):
     """`unbounded`, `bounded` or `periodic`; the latter two have the starting square's side."""
     leaders: int = 0
     """Members with role 1, for a law that tells leaders or strong members from the others."""
+
+
+USUAL_HERD = Herd(spacing_m=1.0, speed_m_s=1.0, dt_s=0.1)
+"""Of a law whose file declares none. A choice."""

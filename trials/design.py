@@ -1,39 +1,25 @@
-"""From an experiment's file to its list of trials.
-
-An experiment's file holds
-
-- a docstring whose first line says what it is;
-- `REPEATS`: how many times each cell is run by default;
-- `CONDITIONS`: the dotted keys that it varies and their values: a full factorial design;
-- `base(repeat) -> Trial`: the trial of that repeat before the conditions are put in;
-- optionally `cells(conditions) -> list[dict]`: the keys and values of each cell, where the design is not a full
-  factorial of the conditions (its own, or those that the user put in their place);
-- optionally `finish(trial) -> Trial`: the trial completed once the conditions and the user's settings are put in;
-- optionally `SOURCES`: by key, where its value comes from, where that is not what the parameter declares;
-- optionally `RECORD`: which trials are recorded without `--record` (`all` by default);
-- optionally `KEY_MEASURES`: the measures that a first look at the report needs;
-- optionally `claims(run)` and `figures(run, folder)`: the claims and figures of `herd report`.
-"""
+"""From an experiment's file (`trials.experiments`) to its list of trials."""
 
 from __future__ import annotations
 
 import dataclasses
-import importlib
 import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from types import ModuleType
 from typing import Any
 
-from flocking import found
-from flocking.errors import InputError, unknown_name
+from flocking.errors import InputError
 from trials import keys, simulations
+from trials.experiments import experiment_names, experiments, load, made_by, name_of, title
+from trials.invoked import spelled
 from trials.rows import Row, marked
 from trials.types import Trial, Value
 
-STUDIES = "trials.studies"
 DEFAULT_SEED = 1
 MAX_TRIALS = 100_000
+BRINGING = ("law", "body", "world", "formation")
+"""Names that bring values of other keys with them."""
 
 
 @dataclass(frozen=True)
@@ -54,32 +40,6 @@ class Plan:
     """What a user should know of the plan, one line each."""
 
 
-def experiment_names() -> list[str]:
-    """Names of all experiments."""
-    return sorted(experiments())
-
-
-def experiments() -> dict[str, str]:
-    """Names of all experiments, and the module of each: files in the folders of studies, by what they define."""
-    return found.defining(STUDIES, ("CONDITIONS", "base"))
-
-
-def load(name: str) -> ModuleType:
-    """The module of an experiment; `InputError` with the nearest names if there is none."""
-    known, wanted = experiments(), name.replace("_", "-")
-    if wanted not in known:
-        raise unknown_name("experiment", name, known)
-    try:
-        return importlib.import_module(known[wanted])
-    except SyntaxError as error:
-        raise InputError(f"{error.filename}, line {error.lineno}: {error.msg}") from None
-
-
-def title(name: str) -> str:
-    """First line of an experiment's docstring."""
-    return (load(name).__doc__ or "").strip().splitlines()[0]
-
-
 def plan(
     name: str,
     *,
@@ -98,7 +58,7 @@ def plan(
     make one arm each. Trials are numbered from 1, repeat by repeat, so that more repeats keep the numbers.
     Raises `InputError` for anything that does not exist or fit.
     """
-    module = load(name)
+    module, experiment = load(name), name_of(name)
     repeats = module.REPEATS if repeats is None else repeats
     if repeats < 1:
         raise InputError(f"repeats = {repeats}: expected a whole number of at least 1")
@@ -113,7 +73,7 @@ def plan(
     notes: dict[str, None] = {}
     for field, value in (("law", law), ("pipeline", pipeline), ("body", body)):
         if value is not None:
-            settings |= _of_first_group(module.base(1), field, value, {**settings, **arm_values}, notes)
+            settings |= _of_first_group(made_by(module, "base", 1), field, value, {**settings, **arm_values}, notes)
     for key in [key for key in settings if key in conditions]:
         conditions[key] = [settings.pop(key)]
     for key in [key for key in arm_values if key in conditions]:
@@ -128,16 +88,23 @@ def plan(
         )
     placed = _placed(module, settings, [{**arm, **cell} for arm, cells in designs for cell in cells], notes)
     trials: list[Trial] = []
+    bases, puts = list[Trial](), dict[tuple[int, int], Trial]()  # most repeats have one base, or a few in turn
     for repeat in range(1, repeats + 1):
-        for given, cell in placed:
-            trial = dataclasses.replace(module.base(repeat), index=len(trials) + 1, seed=seed, repeat=repeat)
-            trial = _put(trial, {**given, **cell})
-            trial = module.finish(trial) if hasattr(module, "finish") else trial
-            trials.append(dataclasses.replace(trial, experiment=name, conditions=cell))
-    trials = [simulations.settled(_spelled(trial)) for trial in trials]
+        base = dataclasses.replace(made_by(module, "base", repeat), seed=seed, repeat=0)
+        if base not in bases:
+            bases.append(base)
+        turn = bases.index(base)
+        for number, (given, cell) in enumerate(placed):
+            if (turn, number) not in puts:
+                puts[turn, number] = _put(base, {**given, **cell})
+            trial = dataclasses.replace(puts[turn, number], index=len(trials) + 1, repeat=repeat)
+            trial = made_by(module, "finish", trial) if hasattr(module, "finish") else trial
+            trials.append(dataclasses.replace(trial, experiment=experiment, conditions=cell))
+    trials = [simulations.settled(trial) for trial in trials]
+    notes |= dict.fromkeys(_differences(trials[: len(placed)]))
     return Plan(
-        experiment=name.replace("_", "-"),
-        title=title(name),
+        experiment=experiment,
+        title=title(module),
         trials=trials,
         parameters=_parameters(module, trials[0], {*settings, *arm_values}),
         conditions=conditions,
@@ -145,6 +112,40 @@ def plan(
         repeats=repeats,
         notes=list(notes),
     )
+
+
+def _differences(trials: Sequence[Trial]) -> list[str]:
+    """In one line, in what the trials of one repeat differ besides their conditions; nothing where in nothing.
+
+    Another law, world or formation has parameters of its own, which are no difference; but a law may also bring the
+    herd in which it starts, and its time step.
+    """
+    varied = {key for trial in trials for key in trial.conditions}
+    values: dict[str, dict[Any, None]] = {}
+    known: dict[tuple[Any, ...], None] = {}
+    for trial in trials:
+        kind = tuple(value for key, value in trial.conditions.items() if key.rsplit(".", 1)[-1] in BRINGING)
+        if kind in known:
+            continue
+        known[kind] = None
+        for row in keys.rows(trial):
+            if not any(row.key == key or row.key.startswith(f"{key}.") for key in varied):
+                values.setdefault(row.key, {})[row.value] = None
+    groups = {group.name for trial in trials for group in trial.groups}
+    own = tuple(f"{group}.{part}." for group in groups for part in ("law", "spread"))
+    differ = {key: list(found) for key, found in values.items() if len(found) > 1 and not key.startswith(own)}
+    if not differ:
+        return []
+    key, (first, *_) = next(iter(differ.items()))
+    told = ", ".join(f"{key} ({_span(found)})" for key, found in differ.items())
+    return [f"besides what is varied, the trials differ in {told}; --set {key}={spelled(first)} makes one the same"]
+
+
+def _span(values: Sequence[Any]) -> str:
+    """Several values in short: the range of numbers, else all of them."""
+    if all(isinstance(value, int | float) and not isinstance(value, bool) for value in values):
+        return f"{min(values):g} to {max(values):g}"
+    return " or ".join(map(str, values))
 
 
 def _of_first_group(
@@ -171,7 +172,7 @@ def _of_first_group(
 def _parameters(module: ModuleType, trial: Trial, given: set[str]) -> list[Row]:
     """Every parameter of a trial; those in `given` are marked as set by the user."""
     sources = getattr(module, "SOURCES", {})
-    usual = _usual(module.base(trial.repeat), trial)
+    usual = _usual(made_by(module, "base", trial.repeat), trial)
     rows = keys.rows(trial, sources)
     return [marked(row, usual.get(row.key, row.value)) if row.key in given else row for row in rows]
 
@@ -198,14 +199,13 @@ def _cells(
     chosen = {**settings, **arm}
     names = {key: value for key, value in chosen.items() if not any(_names_first(key)[:2])}
     changed = any(key.rsplit(".", 1)[-1] == "law" for key in names)
-    known = {row.key for row in keys.rows(_put(module.base(1), names))} if changed else set(conditions)
+    known = {row.key for row in keys.rows(_put(made_by(module, "base", 1), names))} if changed else set(conditions)
     for key in conditions:
         if key not in known:
             notes[f"{key} is left out: the law has no parameter {key.rsplit('.', 1)[-1]}"] = None
     kept = {key: values for key, values in conditions.items() if key in known}
     if hasattr(module, "cells"):
-        found: list[dict[str, Any]] = module.cells(kept)
-        return found
+        return [dict(cell) for cell in made_by(module, "cells", kept)]
     return [dict(zip(kept, values, strict=True)) for values in itertools.product(*kept.values())]
 
 
@@ -223,7 +223,7 @@ def _placed(
     for cell in cells:
         given = {**settings, **cell}
         names = {key: value for key, value in given.items() if not any(_names_first(key)[:2])}
-        known.append({row.key for row in keys.rows(_put(module.base(1), names))} | names.keys())
+        known.append({row.key for row in keys.rows(_put(made_by(module, "base", 1), names))} | names.keys())
     everywhere, somewhere = set.intersection(*known), set.union(*known)
     for key in sorted(parameters & somewhere - everywhere):
         notes[f"{key} is left out where there is no such parameter"] = None
@@ -245,8 +245,4 @@ def _names_first(key: str) -> tuple[bool, bool, str]:
     return len(parts) > 2, parts[0] in ("world", "formation") and len(parts) == 2, key
 
 
-def _spelled(trial: Trial) -> Trial:
-    return dataclasses.replace(trial, experiment=trial.experiment.replace("_", "-"))
-
-
-__all__ = ["DEFAULT_SEED", "Plan", "experiment_names", "load", "plan", "title"]
+__all__ = ["DEFAULT_SEED", "Plan", "experiment_names", "experiments", "load", "plan"]

@@ -9,7 +9,8 @@ from typing import Any
 
 from trials.batch.store import Store
 from trials.evidence.claims import Entry
-from trials.evidence.summary import named
+from trials.evidence.summary import naming
+from trials.invoked import command
 from trials.simulations import headings_of, key_measures_of
 
 VERDICTS = {True: "holds", False: "does not hold", None: "undecided"}
@@ -41,6 +42,18 @@ def counted(store: Store) -> str:
     return ", ".join(parts)
 
 
+def notes_of(store: Store, experiment: Any) -> list[str]:
+    """What a reader of a run's numbers should know, one line each."""
+    found = [f"note: {note}" for note in store.run.get("notes") or () if isinstance(note, str)]
+    if experiment is None:
+        again = command("report", str(store.folder), "--experiment", "FILE.py")
+        name = store.run["experiment"]
+        found.append(
+            f"note: {name} is not among the experiments here: without its claims and figures; if yours: {again}"
+        )
+    return found
+
+
 def verdicts(entries: Sequence[Entry]) -> str:
     """How many claims hold, do not hold and are undecided."""
     counts = Counter(entry.agrees for entry in entries)
@@ -50,8 +63,9 @@ def verdicts(entries: Sequence[Entry]) -> str:
 def arms_of(entries: Sequence[Entry]) -> list[tuple[str, list[Entry]]]:
     """The entries by arm, each arm with its words (empty where there is but one)."""
     found: dict[str, list[Entry]] = {}
+    words = naming(entry.arm for entry in entries)
     for entry in entries:
-        found.setdefault(named(entry.arm) if entry.arm else "", []).append(entry)
+        found.setdefault(words(entry.arm) if entry.arm else "", []).append(entry)
     return list(found.items())
 
 

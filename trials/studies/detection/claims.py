@@ -12,8 +12,10 @@ from typing import Any
 
 from flocking.errors import InputError
 from trials.batch.store import newest, opened
+from trials.design import plan
 from trials.evidence.claims import Entry, answered, claim_of
 from trials.evidence.runs import Cells, Run, UndecidedError, arms
+from trials.invoked import spelled
 from trials.studies.detection.judges import JUDGES, KEYS, Data
 from trials.types import Trial
 
@@ -63,7 +65,7 @@ def supplement(run: Run, experiment: str, arm: Mapping[str, Any], besides: Colle
     """
     folder = _newest(run, experiment)
     if folder is None:
-        raise UndecidedError(f"needs trials of {experiment} (herd run {experiment})")
+        raise UndecidedError(f"needs trials of {experiment}", _words(run, experiment, arm, besides))
     try:
         other = opened(folder)
     except InputError as error:
@@ -81,7 +83,24 @@ def supplement(run: Run, experiment: str, arm: Mapping[str, Any], besides: Colle
             return Cells(trials, rows, KEYS)
         differences.append((len(differ), differ[0], given[differ[0]]))
     _, key, value = min(differences)
-    raise UndecidedError(f"needs trials of {experiment} with {key} = {wanted[key]}; the newest, {folder}, have {value}")
+    raise UndecidedError(
+        f"needs trials of {experiment} with {key} = {wanted[key]}; the newest, {folder}, have {value}",
+        _words(run, experiment, arm, besides),
+    )
+
+
+def _words(run: Run, experiment: str, arm: Mapping[str, Any], besides: Collection[str]) -> list[str]:
+    """Of the command that runs the trials of a supplement with the settings of an arm of `run`."""
+    wanted = _settings(next(t for t in run.trials if arm.items() <= t.conditions.items()), besides)
+    settings: dict[str, Any] = {}
+    for _ in range(2):  # names first: a law's parameters are known once it is put in
+        given = _settings(plan(experiment, repeats=1, settings=settings).trials[0], besides)
+        settings |= {key: value for key, value in wanted.items() if key in given and given[key] != value}
+    return [
+        "run",
+        experiment,
+        *(word for key, value in settings.items() for word in ("--set", f"{key}={spelled(value)}")),
+    ]
 
 
 def _newest(run: Run, experiment: str) -> Path | None:
