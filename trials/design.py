@@ -96,10 +96,13 @@ def plan(
         turn = bases.index(base)
         for number, (given, cell) in enumerate(placed):
             if (turn, number) not in puts:
-                puts[turn, number] = _put(base, {**given, **cell})
+                named = dataclasses.replace(base, experiment=experiment, conditions=cell)
+                puts[turn, number] = _put(named, {**given, **cell})
             trial = dataclasses.replace(puts[turn, number], index=len(trials) + 1, repeat=repeat)
             trial = made_by(module, "finish", trial) if hasattr(module, "finish") else trial
-            trials.append(dataclasses.replace(trial, experiment=experiment, conditions=cell))
+            if trial.experiment != experiment or trial.conditions is not cell:  # finished as a trial of its own
+                trial = dataclasses.replace(trial, experiment=experiment, conditions=cell)
+            trials.append(trial)
     trials = [simulations.settled(trial) for trial in trials]
     notes |= dict.fromkeys(_differences(trials[: len(placed)]))
     return Plan(

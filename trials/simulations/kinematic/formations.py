@@ -49,13 +49,11 @@ def poses(formation: str, parameters: tuple[float, ...], count: int, size_m: flo
 
 
 def widest_m(formation: str, parameters: tuple[float, ...], count: int) -> float:
-    """The most that a formation can be wide or long about its world's centre, twice the farthest member's coordinate.
+    """The most that a formation can be wide or long about its world's centre, m: twice the farthest coordinate.
 
-    0 where it fills its world, whatever that is.
+    Not of `uniform`, which fills its world, whatever that is.
     """
     named = parameters._asdict()  # type: ignore[attr-defined]
-    if formation == "uniform":
-        return 0.0
     spacing = float(named["spacing_m"])
     if formation == "single-group":
         return spacing * math.sqrt(count)

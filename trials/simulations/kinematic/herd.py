@@ -102,10 +102,10 @@ def check_start(trial: Trial) -> None:
 
     Nothing is drawn where they do whatever is drawn.
     """
-    given, world = fields.formation_of(trial), fields.world_of(trial)
+    if trial.formation in ("uniform", *lattice_starts.NAMES) or fields.space_of(trial) == "unbounded":
+        return
     count = sum(group.count for group in trial.groups)
-    size = getattr(world, "size_m", math.inf)
-    if trial.formation not in lattice_starts.NAMES and formations.widest_m(trial.formation, given, count) > size:
+    if formations.widest_m(trial.formation, fields.formation_of(trial), count) > fields.world_of(trial).size_m:
         _start(trial, _space(trial))
 
 
