@@ -118,30 +118,37 @@ def plan(
 
 
 def _differences(trials: Sequence[Trial]) -> list[str]:
-    """In one line, in what the trials of one repeat differ besides their conditions; nothing where in nothing.
+    """A line for each name that is varied and brings more with it than its own parameters; nothing where none does.
 
-    Another law, world or formation has parameters of its own, which are no difference; but a law may also bring the
-    herd in which it starts, and its time step.
+    A law may bring the herd in which it starts, and its time step: the laws of a sweep are then not compared alike.
     """
-    varied = {key for trial in trials for key in trial.conditions}
-    values: dict[str, dict[Any, None]] = {}
-    known: dict[tuple[Any, ...], None] = {}
+    kinds: dict[tuple[tuple[str, Value], ...], Trial] = {}
     for trial in trials:
-        kind = tuple(value for key, value in trial.conditions.items() if key.rsplit(".", 1)[-1] in BRINGING)
-        if kind in known:
-            continue
-        known[kind] = None
-        for row in keys.rows(trial):
-            if not any(row.key == key or row.key.startswith(f"{key}.") for key in varied):
-                values.setdefault(row.key, {})[row.value] = None
-    groups = {group.name for trial in trials for group in trial.groups}
-    own = tuple(f"{group}.{part}." for group in groups for part in ("law", "spread"))
-    differ = {key: list(found) for key, found in values.items() if len(found) > 1 and not key.startswith(own)}
-    if not differ:
-        return []
-    key, (first, *_) = next(iter(differ.items()))
-    told = ", ".join(f"{key} ({_span(found)})" for key, found in differ.items())
-    return [f"besides what is varied, the trials differ in {told}; --set {key}={spelled(first)} makes one the same"]
+        kind = [(key, value) for key, value in trial.conditions.items() if key.rsplit(".", 1)[-1] in BRINGING]
+        kinds.setdefault(tuple(kind), trial)
+    varied = {key for trial in trials for key in trial.conditions}
+    values = {kind: {row.key: row.value for row in keys.rows(trial)} for kind, trial in kinds.items()}
+    notes = []
+    for name in dict.fromkeys(key for kind in kinds for key, _ in kind):
+        own = (f"{name}.", f"{name.removesuffix('law')}spread.") if name.endswith(".law") else (f"{name}.",)
+        found: dict[tuple[Any, ...], dict[str, dict[Any, None]]] = {}
+        for kind, given in values.items():
+            alike = found.setdefault(tuple(each for each in kind if each[0] != name), {})
+            for key, value in given.items():
+                if key not in varied and not key.startswith(own):
+                    alike.setdefault(key, {})[value] = None
+        differ: dict[str, dict[Any, None]] = {}
+        for alike in found.values():
+            for key, several in alike.items():
+                if len(several) > 1:
+                    differ.setdefault(key, {}).update(several)
+        if differ:
+            key, (first, *_) = next(iter(differ.items()))
+            told = ", ".join(f"{key} ({_span(list(several))})" for key, several in differ.items())
+            notes.append(
+                f"{name} brings more with it: {told}; --set {key}={spelled(first)} and the like make them share it"
+            )
+    return notes
 
 
 def _span(values: Sequence[Any]) -> str:

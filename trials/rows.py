@@ -64,7 +64,8 @@ def rows_of(section: Section, group: str = "", given: Mapping[str, Any] = Mappin
             about = section.words.get(name, parameter.about)
             key = f"{group}{section.prefix}{name}"
             row = Row(key, values[name], parameter.about.unit, about.source, about.published)
-            if name not in section.words and name in given and given[name] != parameter.default:
+            usual = parameter.default in ("", given.get(name, parameter.default))
+            if name not in section.words and not usual:
                 row = row._replace(source=f"set by the experiment{_in_place_of(parameter.default)}", published=False)
             found.append(row)
     return found

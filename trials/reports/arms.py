@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,6 +16,8 @@ from trials.types import Trial, TrialResult
 
 MOST_PANELS = 60
 """Of one drawing."""
+TITLE_LETTERS = 28
+"""In a line of a panel's title, which then does not run into the next panel's."""
 
 
 @dataclass(frozen=True)
@@ -66,13 +69,17 @@ def panels(run: Run, wanted: Sequence[tuple[str, Mapping[str, Any]]]) -> list[tu
     words, every = naming(trial.conditions for trial in run.trials), dict[tuple[Any, ...], Mapping[str, Any]]()
     for trial in run.trials:
         every.setdefault(tuple(trial.conditions.items()), trial.conditions)
+
+    def headed(cell: Mapping[str, Any]) -> str:
+        return textwrap.fill(words(cell), TITLE_LETTERS)
+
     drawn = [(title, cell) for title, cell in wanted if planned(run, cell)]
     drawn += [
-        (words(cell), cell)
+        (headed(cell), cell)
         for cell in every.values()
         if any(key in usual and value not in usual[key] for key, value in cell.items())
     ]
-    drawn = drawn or [(words(cell), cell) for cell in every.values()]
+    drawn = drawn or [(headed(cell), cell) for cell in every.values()]
     if len(drawn) > MOST_PANELS:
         title, cell = drawn[MOST_PANELS - 1]
         drawn[MOST_PANELS - 1 :] = [(f"{title} (and {len(drawn) - MOST_PANELS} cells more)", cell)]

@@ -94,7 +94,10 @@ def _words(run: Run, experiment: str, arm: Mapping[str, Any], besides: Collectio
     wanted = _settings(next(t for t in run.trials if arm.items() <= t.conditions.items()), besides)
     settings: dict[str, Any] = {}
     for _ in range(2):  # names first: a law's parameters are known once it is put in
-        given = _settings(plan(experiment, repeats=1, settings=settings).trials[0], besides)
+        try:
+            given = _settings(plan(experiment, repeats=1, settings=settings).trials[0], besides)
+        except InputError:  # a file of the user's own is no longer there
+            return []
         settings |= {key: value for key, value in wanted.items() if key in given and given[key] != value}
     return [
         "run",
