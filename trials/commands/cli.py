@@ -280,10 +280,10 @@ def main() -> int:
         return code if isinstance(code, int) else 0
     except InputError as error:
         return _refuse(str(error))
-    except (KeyboardInterrupt, typer.Abort) as stop:
-        told = str(stop.__cause__ if isinstance(stop, typer.Abort) else stop)
-        print(f"herd: stopped{told and f'; {told}'}", file=sys.stderr)
-        return 130
+    except (KeyboardInterrupt, typer.Abort):
+        return _stopped("")
+    except _StoppedError as stop:
+        return _stopped(f"; {stop}")
     except typer.TyperException as error:
         return _refuse(_told(error.format_message()))
     except BrokenPipeError:  # the reader of the output has closed it, as `head` does
@@ -320,6 +320,15 @@ def _commands() -> list[Any]:
     return list(typer.main.get_group(app).commands.values())
 
 
+class _StoppedError(Exception):
+    """Ctrl-C ended a command; the message says what is missing. Typer would take a KeyboardInterrupt for itself."""
+
+
+def _stopped(told: str) -> int:
+    print(f"herd: stopped{told}", file=sys.stderr)
+    return 130
+
+
 def _refuse(message: str) -> int:
     print(f"herd: {' '.join(message.split())}", file=sys.stderr)
     return 2
@@ -334,7 +343,7 @@ def _report(folder: Path, as_json: bool = False, experiment: str | None = None) 
     except KeyboardInterrupt:
         file = ["--experiment", experiment] if experiment is not None else []
         again = command("report", str(folder), *file, *(["--json"] if as_json else []))
-        raise KeyboardInterrupt(f"the report of {folder} is not complete; make it with: {again}") from None
+        raise _StoppedError(f"the report of {folder} is not complete; make it with: {again}") from None
 
 
 def _cores() -> int:
