@@ -124,8 +124,8 @@ def _differences(trials: Sequence[Trial]) -> list[str]:
     """
     kinds: dict[tuple[tuple[str, Value], ...], Trial] = {}
     for trial in trials:
-        kind = [(key, value) for key, value in trial.conditions.items() if key.rsplit(".", 1)[-1] in BRINGING]
-        kinds.setdefault(tuple(kind), trial)
+        brought = [(key, value) for key, value in trial.conditions.items() if key.rsplit(".", 1)[-1] in BRINGING]
+        kinds.setdefault(tuple(brought), trial)
     varied = {key for trial in trials for key in trial.conditions}
     values = {kind: {row.key: row.value for row in keys.rows(trial)} for kind, trial in kinds.items()}
     notes = []

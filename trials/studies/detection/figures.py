@@ -64,7 +64,9 @@ def _figures(run: Run, place: Place) -> list[Figure]:
     repeat = min((trial.repeat for trial in trials), default=1)
     cells = list(dict.fromkeys((trial.conditions.get(PIPELINE), trial.conditions.get(EXCLUSION)) for trial in trials))
     ways = [(_cell_name(pipeline, at), shown.first(pipeline, at, repeat)) for pipeline, at in cells]
-    drawn = {(pipeline, at): f" (figure {number})" for pipeline, at, number in PUBLISHED if (pipeline, at) in cells}
+    drawn: dict[tuple[Any, Any], str] = {
+        (pipeline, at): f" (figure {number})" for pipeline, at, number in PUBLISHED if (pipeline, at) in cells
+    }
     drawn = drawn or dict.fromkeys(cells, "")  # another law or detection: none of the publication's cells
     inputs = [(f"{_cell_name(*cell)}{number}", shown.first(*cell)) for cell, number in drawn.items()]
     rows = []
