@@ -22,9 +22,10 @@ from typing import Any
 import numpy as np
 
 from flocking import found
-from flocking.compilation import PACKAGES, cache_folder
+from flocking.compilation import cache_folder
 from flocking.errors import InputError
 from flocking.found import is_path
+from flocking.freshness import constants, foreign
 from flocking.parameters import Relation, declared, filled, relation
 from flocking.selection import parse_sets
 from flocking.taxonomy import USUAL_HERD, Filled, Herd, Taxonomy, Validation
@@ -349,9 +350,9 @@ def _entry(module: ModuleType, path: Path, values: str, boundscheck: bool, alloc
         values=values,
         boundscheck=boundscheck,
         allocates=allocates,
-        cached=not _foreign(source),
+        cached=not foreign(source),
     )
-    digest = hashlib.sha256((text + source + _constants(module)).encode()).hexdigest()[:16]
+    digest = hashlib.sha256((text + source + constants(module)).encode()).hexdigest()[:16]
     entry_path = _written(f"entry_{path.stem}_{digest}", text)
     spec = importlib.util.spec_from_file_location(entry_path.stem, entry_path)
     assert spec is not None
@@ -361,41 +362,6 @@ def _entry(module: ModuleType, path: Path, values: str, boundscheck: bool, alloc
     spec.loader.exec_module(generated)
     entry: Callable[..., None] = generated.entry
     return entry
-
-
-def _foreign(source: str, seen: frozenset[str] = frozenset()) -> bool:
-    """Whether a law's text imports a file that may change unseen: the law is then compiled anew in each process.
-
-    Files of ours change the name of the cache's folder, but those of laws may themselves import what is not ours.
-    """
-    for name in _imports(source) - seen:
-        top, *parts = name.split(".")
-        if top not in {*PACKAGES, "numpy", "numba", *sys.stdlib_module_names}:
-            return True
-        if name.startswith("flocking.laws."):
-            law = Path(__file__).parent / "laws" / f"{parts[1]}.py"
-            if not law.exists() or _foreign(law.read_text(encoding="utf-8"), seen | {name}):
-                return True
-    return False
-
-
-def _imports(source: str) -> set[str]:
-    """Dotted names of what a text imports, at its top or anywhere else."""
-    found = set()
-    for node in ast.walk(ast.parse(source)):
-        if isinstance(node, ast.Import):
-            found |= {alias.name for alias in node.names}
-        elif isinstance(node, ast.ImportFrom):
-            found |= {f"{node.module}.{alias.name}" if not node.level else "." for alias in node.names}
-    return found
-
-
-def _constants(module: ModuleType) -> str:
-    """The numbers that a law's module holds, as text: they are compiled in, and may come from a file of data."""
-    held = {name: value for name, value in vars(module).items() if not name.startswith("__")}
-    plain = {name: value for name, value in held.items() if isinstance(value, (int, float, complex, np.generic))}
-    arrays = {name: (v.shape, str(v.dtype), v.tobytes()) for name, v in held.items() if isinstance(v, np.ndarray)}
-    return f"{plain!r} {arrays!r}"
 
 
 def _written(stem: str, text: str) -> Path:
