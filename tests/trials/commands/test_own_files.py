@@ -15,6 +15,7 @@ from robots import body as bodies
 from trials import design, experiments, simulations
 from trials.batch.running import Asked, planned
 from trials.commands import listing
+from trials.reports import report
 from trials.types import Trial
 
 HOME = Path(design.__file__).parents[1]
@@ -96,6 +97,14 @@ def test_an_experiment_is_its_file(own: Path) -> None:
     assert {trial.groups[0].count for trial in made.trials} == {7}
     assert {trial.experiment for trial in made.trials} == {"my-test"}
     assert design.load("my-test") is design.load("my_test.py")
+
+
+def test_a_report_has_the_claims_of_the_file_that_is_named(own: Path) -> None:
+    """What a run's folder says of its experiment's file is not enough to run it."""
+    assert report._experiment("my-test", None) is None
+    assert report._experiment("my-test", "my_test.py").REPEATS == 2
+    with pytest.raises(InputError, match="the run is of 'another'; expected the file of that experiment"):
+        report._experiment("another", "my_test.py")
 
 
 def test_what_an_experiment_sets_is_not_called_published(own: Path) -> None:
