@@ -26,6 +26,7 @@ class ArmRun:
 
     run: Run
     trials: list[Trial]
+    finished: Sequence[FinishedTrial]
 
     @property
     def folder(self) -> Path:
@@ -34,8 +35,7 @@ class ArmRun:
 
     def rows(self) -> Sequence[FinishedTrial]:
         """The finished trials of the arm."""
-        own = {trial.index for trial in self.trials}
-        return [row for row in self.run.rows() if row.index in own]
+        return self.finished
 
     def series(self, index: int) -> TrialResult:
         """The time series of a trial."""
@@ -45,9 +45,11 @@ class ArmRun:
 def by_arm(run: Run, folder: Path, keys: Sequence[str], drawn: Callable[[Run, Place], list[Figure]]) -> list[Figure]:
     """The figures of each arm of a run: of each combination of the conditions other than `keys`, named by them."""
     words, made = naming(trial.conditions for trial in run.trials), list[Figure]()
+    rows = {row.index: row for row in run.rows()}
     for number, (arm, trials) in enumerate(arms(run, keys), start=1):
         place = Place(folder, f"-{number}" if number > 1 else "", words(arm) if arm else "")
-        made += drawn(ArmRun(run, trials), place)
+        finished = [rows[trial.index] for trial in trials if trial.index in rows]
+        made += drawn(ArmRun(run, trials, finished), place)
     return made
 
 
