@@ -23,12 +23,14 @@ from typing import Any
 import numpy as np
 
 from flocking import found, users_files
-from flocking.compilation import PACKAGES, cache_folder
+from flocking.compilation import cache_folder
 from flocking.errors import InputError, StorageError
+from flocking.found import is_path
+from flocking.freshness import constants, foreign
 from flocking.lawdata import from_data
 from flocking.parameters import Relation, declared, filled, relation
 from flocking.selection import parse_sets
-from flocking.taxonomy import Filled, Herd, Taxonomy, Validation
+from flocking.taxonomy import USUAL_HERD, Filled, Herd, Taxonomy, Validation
 from flocking.types import Bools, Floats, Kind, Members, Motion, Obstacles, Own
 
 ENTRY_SIGNATURE = (
@@ -125,7 +127,7 @@ class Law:
     @property
     def herd(self) -> Herd:
         """A kinematic herd in which its numbers make sense."""
-        herd: Herd = getattr(self.module, "HERD", Herd(1.0, 1.0, 0.1))
+        herd: Herd = getattr(self.module, "HERD", USUAL_HERD)
         return herd
 
     @property
@@ -196,11 +198,6 @@ def names() -> list[str]:
     return sorted(found.modules("flocking.laws"))
 
 
-def is_path(name: str) -> bool:
-    """Whether `--law NAME` means a file of the user's own."""
-    return name.endswith(".py") or os.sep in name
-
-
 MOST_BYTES = 1_000_000
 """Of a user's law file: some hundred times what the longest of the project's has."""
 
@@ -242,9 +239,15 @@ def module_of(name: str, source: str = "") -> ModuleType:
     Of a user's law that this process has been told of, only what it declares.
     """
     if not is_path(name):
-        return found.load("flocking.laws", name, "law")
+        return _named(name)
     source = source or read_source(name)
     return _known[source] if source in _known else _imported(name, source)[0]
+
+
+@cache
+def _named(name: str) -> ModuleType:
+    """The module of a law of that name; a plan of thousands of trials asks for it many times."""
+    return found.load("flocking.laws", name, "law")
 
 
 def sets_of(module: ModuleType) -> dict[str, str]:
@@ -303,7 +306,7 @@ def load(name: str, source: str = "") -> Law:
 
 @cache
 def _load_named(name: str) -> Law:
-    module = found.load("flocking.laws", name, "law")
+    module = _named(name)
     path = Path(str(module.__file__))
     return _compile(name, module, path, boundscheck=False)
 
@@ -395,9 +398,9 @@ def _entry(module: ModuleType, path: Path, values: str, boundscheck: bool, alloc
         values=values,
         boundscheck=boundscheck,
         allocates=allocates,
-        cached=not _foreign(source),
+        cached=not foreign(source),
     )
-    digest = hashlib.sha256((text + source + _constants(module)).encode()).hexdigest()[:16]
+    digest = hashlib.sha256((text + source + constants(module)).encode()).hexdigest()[:16]
     entry_path = _written(f"entry_{path.stem}_{digest}", text)
     spec = importlib.util.spec_from_file_location(entry_path.stem, entry_path)
     assert spec is not None
@@ -407,41 +410,6 @@ def _entry(module: ModuleType, path: Path, values: str, boundscheck: bool, alloc
     spec.loader.exec_module(generated)
     entry: Callable[..., None] = generated.entry
     return entry
-
-
-def _foreign(source: str, seen: frozenset[str] = frozenset()) -> bool:
-    """Whether a law's text imports a file that may change unseen: the law is then compiled anew in each process.
-
-    Files of ours change the name of the cache's folder, but those of laws may themselves import what is not ours.
-    """
-    for name in _imports(source) - seen:
-        top, *parts = name.split(".")
-        if top not in {*PACKAGES, "numpy", "numba", *sys.stdlib_module_names}:
-            return True
-        if name.startswith("flocking.laws."):
-            law = Path(__file__).parent / "laws" / f"{parts[1]}.py"
-            if not law.exists() or _foreign(law.read_text(encoding="utf-8"), seen | {name}):
-                return True
-    return False
-
-
-def _imports(source: str) -> set[str]:
-    """Dotted names of what a text imports, at its top or anywhere else."""
-    found = set()
-    for node in ast.walk(ast.parse(source)):
-        if isinstance(node, ast.Import):
-            found |= {alias.name for alias in node.names}
-        elif isinstance(node, ast.ImportFrom):
-            found |= {f"{node.module}.{alias.name}" if not node.level else "." for alias in node.names}
-    return found
-
-
-def _constants(module: ModuleType) -> str:
-    """The numbers that a law's module holds, as text: they are compiled in, and may come from a file of data."""
-    held = {name: value for name, value in vars(module).items() if not name.startswith("__")}
-    plain = {name: value for name, value in held.items() if isinstance(value, (int, float, complex, np.generic))}
-    arrays = {name: (v.shape, str(v.dtype), v.tobytes()) for name, v in held.items() if isinstance(v, np.ndarray)}
-    return f"{plain!r} {arrays!r}"
 
 
 def _written(stem: str, text: str) -> Path:

@@ -22,6 +22,7 @@ from types import MappingProxyType
 from typing import Any, NamedTuple, get_type_hints
 
 from flocking.errors import InputError, unknown_name
+from flocking.found import is_path
 
 
 @dataclass(frozen=True)
@@ -37,6 +38,8 @@ class Parameter:
     choices: tuple[str, ...] = ()
     named: Callable[[], Iterable[str]] | None = None
     """Of a text that names something with a file of its own: all such names, with hyphens."""
+    paths: bool = False
+    """Of such a text: the path of a file or a folder of the user's own will do as well."""
     reads: Callable[[str], object] | None = None
     """Of a text with a grammar: what reads it, and raises `InputError` where it cannot."""
 
@@ -89,16 +92,18 @@ def checked(key: str, value: Any, parameter: Declared) -> Any:
             about.reads(value)
         return _known(parameter, value) if about.named is not None else value
     if isinstance(value, bool) or not isinstance(value, int | float):
-        raise InputError(f"{key} = {given!r}: expected a number{_unit(about)}")
+        raise InputError(f"{key} = {given!r}: expected {_number(parameter)}")
     if parameter.type is int and value != int(value if math.isfinite(value) else 0.5):
-        raise InputError(f"{key} = {given!r}: expected a whole number")
+        raise InputError(f"{key} = {given!r}: expected {_number(parameter)}")
     if not math.isfinite(value) or not about.low <= value <= about.high:
-        raise InputError(f"{key} = {given!r}: expected {_bounds(about)}")
+        raise InputError(f"{key} = {given!r}: expected {_bounds(parameter)}")
     return parameter.type(value)
 
 
 def _known(parameter: Declared, name: str) -> str:
-    """A name in its usual spelling, with hyphens. Raises `InputError` with the nearest ones if there is no such."""
+    """A name in its usual spelling, with hyphens, or a path. Raises `InputError` with the nearest ones otherwise."""
+    if parameter.about.paths and is_path(name):
+        return name
     known, wanted = list(parameter.about.named() if parameter.about.named else ()), name.replace("_", "-")
     if wanted not in known:
         raise unknown_name(parameter.name, name, known)
@@ -151,16 +156,26 @@ def relation(words: str, parameters: type) -> Relation:
     )
 
 
-def _unit(about: Parameter) -> str:
-    return f" in {about.unit}" if about.unit else ""
+def _number(parameter: Declared) -> str:
+    """What a number is of: robots are counted, metres are measured."""
+    unit = parameter.about.unit
+    if parameter.type is int:
+        return f"a whole number{f' of {unit}' if unit else ''}"
+    return f"a number{f' in {unit}' if unit else ''}"
 
 
-def _bounds(about: Parameter) -> str:
-    low, high = about.low, about.high
+def _bounds(parameter: Declared) -> str:
+    low, high, unit = parameter.about.low, parameter.about.high, parameter.about.unit
+    if parameter.type is int:
+        least = f"from {low:.0f}" if math.isfinite(high) else f"at least {low:.0f}"
+        bounds = [least] if math.isfinite(low) else []
+        bounds += [f"{'to' if bounds else 'at most'} {high:.0f}"] if math.isfinite(high) else []
+        return " ".join([_number(parameter), *bounds])
+    within = f" in {unit}" if unit else ""
     if math.isfinite(low) and math.isfinite(high):
-        return f"a number from {low:g} to {high:g}{_unit(about)}"
+        return f"a number from {low:g} to {high:g}{within}"
     if math.isfinite(low):
-        return f"a finite number of at least {low:g}{_unit(about)}"
+        return f"a finite number of at least {low:g}{within}"
     if math.isfinite(high):
-        return f"a finite number of at most {high:g}{_unit(about)}"
-    return f"a finite number{_unit(about)}"
+        return f"a finite number of at most {high:g}{within}"
+    return f"a finite number{within}"

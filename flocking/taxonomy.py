@@ -68,3 +68,7 @@ class Herd(NamedTuple):
     """Members with role 1, for a law that tells leaders or strong members from the others."""
     updating: str = "backward"
     """`backward`: members take up their new velocity and then move by it; `forward`: they move by the old one first."""
+
+
+USUAL_HERD = Herd(spacing_m=1.0, speed_m_s=1.0, dt_s=0.1)
+"""Of a law whose file declares none. A choice."""

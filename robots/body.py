@@ -7,16 +7,21 @@ are equal). Beside `__init__.py` the folder has its XML: the robot alone on a fl
 
 from __future__ import annotations
 
+import hashlib
 import importlib
+import importlib.util
+import sys
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple, Protocol
 
 import mujoco
 
+from flocking import users_files
 from flocking.errors import InputError, unknown_name
+from flocking.found import is_path, run
 from flocking.types import Bools, Floats, Ints, Kind
 from robots.physics import FLOOR_MASK, apply_options, take_servos_implicitly
 
@@ -119,11 +124,54 @@ def names() -> tuple[str, ...]:
 
 
 def load(name: str) -> Body:
-    """The body of that name. Raises `InputError` with the nearest names if there is none."""
+    """The body of that name, or that of the user's own folder at that path.
+
+    Raises `InputError` with the nearest names if there is none, and for a folder that holds none.
+    """
+    if is_path(name):
+        users_files.check_executed("body", name)
+        return _of_folder(str(Path(name).resolve()), digest(name))
     if name.replace("_", "-") not in names():
         raise unknown_name("body", name, names())
     found: Body = package(name).BODY
     return found
+
+
+def digest(path: str) -> str:
+    """A hash of the files of a user's own body, of their names and contents. Raises `InputError` if there are none."""
+    folder, digest = Path(path), hashlib.sha256()
+    if not (folder / "__init__.py").is_file():
+        raise InputError(f"body folder {path!r} has no __init__.py; expected a folder with one that holds a BODY")
+    try:
+        for file in sorted(folder.rglob("*")):
+            if file.is_file() and "__pycache__" not in file.parts:
+                digest.update(file.relative_to(folder).as_posix().encode() + b"\0" + file.read_bytes() + b"\0")
+    except OSError as error:
+        raise InputError(f"body folder {path!r} cannot be read: {error.filename}: {error.strerror}") from None
+    return digest.hexdigest()[:16]
+
+
+@cache
+def _of_folder(path: str, digest: str) -> Body:
+    """The body of a folder whose files have that hash, called by the folder's path.
+
+    The folder is imported as a package of its own, so that its files import one another by `from .model import …`; a
+    module among the body's constants that begins with a dot is one of them.
+    """
+    package = f"own_body_{Path(path).name}_{digest}"
+    spec = importlib.util.spec_from_file_location(
+        package, Path(path) / "__init__.py", submodule_search_locations=[path]
+    )
+    assert spec is not None
+    assert spec.loader is not None
+    module, loader = importlib.util.module_from_spec(spec), spec.loader
+    sys.modules[package] = module
+    run(str(module.__file__), lambda: loader.exec_module(module))
+    found = getattr(module, "BODY", None)
+    if not isinstance(found, Body):
+        raise InputError(f"body folder {path!r}: its __init__.py has no BODY; expected a robots.body.Body")
+    constants = tuple(f"{package}{name}" if name.startswith(".") else name for name in found.constants)
+    return replace(found, name=path, constants=constants)
 
 
 def scene(body: Body) -> mujoco.MjSpec:

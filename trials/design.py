@@ -1,40 +1,26 @@
-"""From an experiment's file to its list of trials.
-
-An experiment's file holds
-
-- a docstring whose first line says what it is;
-- `REPEATS`: how many times each cell is run by default;
-- `CONDITIONS`: the dotted keys that it varies and their values: a full factorial design;
-- `base(repeat) -> Trial`: the trial of that repeat before the conditions are put in;
-- optionally `cells(conditions) -> list[dict]`: the keys and values of each cell, where the design is not a full
-  factorial of the conditions (its own, or those that the user put in their place);
-- optionally `finish(trial) -> Trial`: the trial completed once the conditions and the user's settings are put in;
-- optionally `SOURCES`: by key, where its value comes from, where that is not what the parameter declares;
-- optionally `RECORD`: which trials are recorded without `--record` (`all` by default);
-- optionally `KEY_MEASURES`: the measures that a first look at the report needs;
-- optionally `claims(run)` and `figures(run, folder)`: the claims and figures of `herd report`.
-"""
+"""From an experiment's file (`trials.experiments`) to its list of trials."""
 
 from __future__ import annotations
 
 import dataclasses
-import importlib
 import itertools
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from types import ModuleType
 from typing import Any
 
-from flocking import found
-from flocking.errors import InputError, unknown_name
+from flocking.errors import InputError
 from trials import keys, simulations
+from trials.experiments import experiment_names, experiments, load, made_by, name_of, title
+from trials.invoked import spelled
 from trials.rows import Row, marked
 from trials.types import Trial, Value
 
-STUDIES = "trials.studies"
 DEFAULT_SEED = 1
 MAX_TRIALS = 100_000
 FORMATION = "formation."
+BRINGING = ("law", "body", "world", "formation")
+"""Names that bring values of other keys with them."""
 
 
 @dataclass(frozen=True)
@@ -55,32 +41,6 @@ class Plan:
     """What a user should know of the plan, one line each."""
 
 
-def experiment_names() -> list[str]:
-    """Names of all experiments."""
-    return sorted(experiments())
-
-
-def experiments() -> dict[str, str]:
-    """Names of all experiments, and the module of each: files in the folders of studies, by what they define."""
-    return found.defining(STUDIES, ("CONDITIONS", "base"))
-
-
-def load(name: str) -> ModuleType:
-    """The module of an experiment; `InputError` with the nearest names if there is none."""
-    known, wanted = experiments(), name.replace("_", "-")
-    if wanted not in known:
-        raise unknown_name("experiment", name, known)
-    try:
-        return importlib.import_module(known[wanted])
-    except SyntaxError as error:
-        raise InputError(f"{error.filename}, line {error.lineno}: {error.msg}") from None
-
-
-def title(name: str) -> str:
-    """First line of an experiment's docstring."""
-    return (load(name).__doc__ or "").strip().splitlines()[0]
-
-
 def plan(
     name: str,
     *,
@@ -99,7 +59,7 @@ def plan(
     make one arm each. Trials are numbered from 1, repeat by repeat, so that more repeats keep the numbers.
     Raises `InputError` for anything that does not exist or fit.
     """
-    module = load(name)
+    module, experiment = load(name), name_of(name)
     repeats = module.REPEATS if repeats is None else repeats
     if repeats < 1:
         raise InputError(f"repeats = {repeats}: expected a whole number of at least 1")
@@ -114,7 +74,7 @@ def plan(
     notes: dict[str, None] = {}
     for field, value in (("law", law), ("pipeline", pipeline), ("body", body)):
         if value is not None:
-            settings |= _of_first_group(module.base(1), field, value, {**settings, **arm_values}, notes)
+            settings |= _of_first_group(made_by(module, "base", 1), field, value, {**settings, **arm_values}, notes)
     for key in [key for key in settings if key in conditions]:
         conditions[key] = [settings.pop(key)]
     for key in [key for key in arm_values if key in conditions]:
@@ -130,16 +90,26 @@ def plan(
     placed = _placed(module, settings, [{**arm, **cell} for arm, cells in designs for cell in cells], notes)
     own = _of_some_starts(module, repeats, {*settings, *conditions, *arm_values}, notes)
     trials: list[Trial] = []
+    bases, puts = list[Trial](), dict[tuple[int, int], Trial]()  # most repeats have one base, or a few in turn
     for repeat in range(1, repeats + 1):
-        for given, cell in placed:
-            trial = dataclasses.replace(module.base(repeat), index=len(trials) + 1, seed=seed, repeat=repeat)
-            trial = _put(trial, {**given, **cell}, left_out=own)
-            trial = module.finish(trial) if hasattr(module, "finish") else trial
-            trials.append(dataclasses.replace(trial, experiment=name, conditions=cell))
-    trials = [simulations.settled(_spelled(trial)) for trial in trials]
+        base = dataclasses.replace(made_by(module, "base", repeat), seed=seed, repeat=0)
+        if base not in bases:
+            bases.append(base)
+        turn = bases.index(base)
+        for number, (given, cell) in enumerate(placed):
+            if (turn, number) not in puts:
+                named = dataclasses.replace(base, experiment=experiment, conditions=cell)
+                puts[turn, number] = _put(named, {**given, **cell}, left_out=own)
+            trial = dataclasses.replace(puts[turn, number], index=len(trials) + 1, repeat=repeat)
+            trial = made_by(module, "finish", trial) if hasattr(module, "finish") else trial
+            if trial.experiment != experiment or trial.conditions is not cell:  # finished as a trial of its own
+                trial = dataclasses.replace(trial, experiment=experiment, conditions=cell)
+            trials.append(trial)
+    trials = [simulations.settled(trial) for trial in trials]
+    notes |= dict.fromkeys(_differences(trials[: len(placed)]))
     return Plan(
-        experiment=name.replace("_", "-"),
-        title=title(name),
+        experiment=experiment,
+        title=title(module),
         trials=trials,
         parameters=_parameters(module, trials, {*settings, *arm_values}),
         conditions=conditions,
@@ -147,6 +117,47 @@ def plan(
         repeats=repeats,
         notes=list(notes),
     )
+
+
+def _differences(trials: Sequence[Trial]) -> list[str]:
+    """A line for each name that is varied and brings more with it than its own parameters; nothing where none does.
+
+    A law may bring the herd in which it starts, and its time step: the laws of a sweep are then not compared alike.
+    """
+    kinds: dict[tuple[tuple[str, Value], ...], Trial] = {}
+    for trial in trials:
+        brought = [(key, value) for key, value in trial.conditions.items() if key.rsplit(".", 1)[-1] in BRINGING]
+        kinds.setdefault(tuple(brought), trial)
+    varied = {key for trial in trials for key in trial.conditions}
+    values = {kind: {row.key: row.value for row in keys.rows(trial)} for kind, trial in kinds.items()}
+    notes = []
+    for name in dict.fromkeys(key for kind in kinds for key, _ in kind):
+        own = (f"{name}.", f"{name.removesuffix('law')}spread.") if name.endswith(".law") else (f"{name}.",)
+        found: dict[tuple[Any, ...], dict[str, dict[Any, None]]] = {}
+        for kind, given in values.items():
+            alike = found.setdefault(tuple(each for each in kind if each[0] != name), {})
+            for key, value in given.items():
+                if key not in varied and not key.startswith(own):
+                    alike.setdefault(key, {})[value] = None
+        differ: dict[str, dict[Any, None]] = {}
+        for alike in found.values():
+            for key, several in alike.items():
+                if len(several) > 1:
+                    differ.setdefault(key, {}).update(several)
+        if differ:
+            key, (first, *_) = next(iter(differ.items()))
+            told = ", ".join(f"{key} ({_span(list(several))})" for key, several in differ.items())
+            notes.append(
+                f"{name} brings more with it: {told}; --set {key}={spelled(first)} and the like make them share it"
+            )
+    return notes
+
+
+def _span(values: Sequence[Any]) -> str:
+    """Several values in short: the range of numbers, else all of them."""
+    if all(isinstance(value, int | float) and not isinstance(value, bool) for value in values):
+        return f"{min(values):g} to {max(values):g}"
+    return " or ".join(map(str, values))
 
 
 def _of_first_group(
@@ -176,7 +187,7 @@ def _parameters(module: ModuleType, trials: Sequence[Trial], given: set[str]) ->
     Those in `given` are marked as set by the user.
     """
     sources, trial = getattr(module, "SOURCES", {}), trials[0]
-    usual = _usual(module.base(trial.repeat), trial)
+    usual = _usual(made_by(module, "base", trial.repeat), trial)
     rows = keys.rows(trial, sources)
     firsts: dict[str, Trial] = {}
     for each in trials:
@@ -187,7 +198,7 @@ def _parameters(module: ModuleType, trials: Sequence[Trial], given: set[str]) ->
         last = max((k for k, row in enumerate(rows) if row.key.startswith(FORMATION)), default=len(rows) - 1)
         rows[last + 1 : last + 1] = more
         if more:
-            usual = {row.key: row.value for row in keys.rows(module.base(other.repeat))} | usual
+            usual = {row.key: row.value for row in keys.rows(made_by(module, "base", other.repeat))} | usual
     return [marked(row, usual.get(row.key, row.value)) if row.key in given else row for row in rows]
 
 
@@ -213,14 +224,13 @@ def _cells(
     chosen = {**settings, **arm}
     names = {key: value for key, value in chosen.items() if not any(_names_first(key)[:2])}
     changed = any(key.rsplit(".", 1)[-1] == "law" for key in names)
-    known = {row.key for row in keys.rows(_put(module.base(1), names))} if changed else set(conditions)
+    known = {row.key for row in keys.rows(_put(made_by(module, "base", 1), names))} if changed else set(conditions)
     for key in conditions:
         if key not in known:
             notes[f"{key} is left out: the law has no parameter {key.rsplit('.', 1)[-1]}"] = None
     kept = {key: values for key, values in conditions.items() if key in known}
     if hasattr(module, "cells"):
-        found: list[dict[str, Any]] = module.cells(kept)
-        return found
+        return [dict(cell) for cell in made_by(module, "cells", kept)]
     return [dict(zip(kept, values, strict=True)) for values in itertools.product(*kept.values())]
 
 
@@ -238,7 +248,7 @@ def _placed(
     for cell in cells:
         given = {**settings, **cell}
         names = {key: value for key, value in given.items() if not any(_names_first(key)[:2])}
-        known.append({row.key for row in keys.rows(_put(module.base(1), names))} | names.keys())
+        known.append({row.key for row in keys.rows(_put(made_by(module, "base", 1), names))} | names.keys())
     everywhere, somewhere = set.intersection(*known), set.union(*known)
     for key in sorted(parameters & somewhere - everywhere):
         notes[f"{key} is left out where there is no such parameter"] = None
@@ -256,7 +266,8 @@ def _of_some_starts(module: ModuleType, repeats: int, given: set[str], notes: di
     asked = [key for key in sorted(given) if key.startswith(FORMATION)]
     if not asked or FORMATION.rstrip(".") in given:
         return frozenset()
-    bases = {base.formation: base for base in map(module.base, range(1, repeats + 1))}.values()
+    every = [made_by(module, "base", repeat) for repeat in range(1, repeats + 1)]
+    bases = {base.formation: base for base in every}.values()
     found = frozenset(key for key in asked if len({keys.has(base, key) for base in bases}) == 2)
     for key in sorted(found):
         notes[f"{key} is left out where the formation has no such parameter"] = None
@@ -277,8 +288,4 @@ def _names_first(key: str) -> tuple[bool, bool, str]:
     return len(parts) > 2, parts[0] in ("world", "formation") and len(parts) == 2, key
 
 
-def _spelled(trial: Trial) -> Trial:
-    return dataclasses.replace(trial, experiment=trial.experiment.replace("_", "-"))
-
-
-__all__ = ["DEFAULT_SEED", "Plan", "experiment_names", "load", "plan", "title"]
+__all__ = ["DEFAULT_SEED", "Plan", "experiment_names", "experiments", "load", "plan"]

@@ -13,7 +13,7 @@ from flocking import found, lawentry, selection
 from flocking.errors import InputError, unknown_name
 from flocking.parameters import Parameter, checked, declared
 from trials import simulations
-from trials.rows import OF_GROUP, OF_TRIAL, Row, Section, in_words, rows_of
+from trials.rows import OF_GROUP, OF_TRIAL, Row, Section, below, in_words, rows_of
 from trials.types import Group, Trial
 
 AVOIDS = "+"
@@ -39,11 +39,17 @@ def put(trial: Trial, key: str, value: Any) -> Trial:
 
 
 def rows(trial: Trial, sources: Mapping[str, Parameter] | None = None) -> list[Row]:
-    """Every key of a trial with value, unit and source; `sources`: those that the experiment itself gives, by key."""
+    """Every key of a trial with value, unit and source; `sources`: those that the experiment itself gives, by key.
+
+    What a parameter declares of its source is told of its default alone: a value that the trial has in its place is the
+    experiment's.
+    """
     keys_of = simulations.of(trial).keys_of
-    found_rows = [row for section in keys_of(trial) for row in rows_of(section)]
-    for group in trial.groups:
-        found_rows += [row for section in keys_of(trial, group) for row in rows_of(section, f"{group.name}.")]
+    found_rows = []
+    for group in (None, *trial.groups):
+        start = "" if group is None else f"{group.name}."
+        for section in keys_of(trial, group):
+            found_rows += rows_of(section, start, _given(trial if group is None else group, section.prefix))
     return [in_words(row, (sources or {}).get(row.key)) for row in found_rows]
 
 
@@ -53,6 +59,16 @@ def has(trial: Trial, key: str) -> bool:
     group = next((group for group in trial.groups if rest and group.name == first), None)
     candidates = _candidates(trial, group, key if group is None else rest)
     return any(section.prefix == prefix and name in section.parameters for section, prefix, name in candidates)
+
+
+def _given(kept: Trial | Group, prefix: str) -> Mapping[str, Any]:
+    """By name, the values with that prefix that a trial or a group has of its own."""
+    places = OF_TRIAL if isinstance(kept, Trial) else OF_GROUP
+    if prefix in places:
+        values: Mapping[str, Any] = getattr(kept, places[prefix])
+        return values
+    fields = {} if prefix else {field.name: getattr(kept, field.name) for field in dataclasses.fields(kept)}
+    return {**fields, **below(kept.setup, prefix)}
 
 
 def _candidates(trial: Trial, group: Group | None, local: str) -> Iterator[tuple[Section, str, str]]:
@@ -71,7 +87,12 @@ def _nearby(trial: Trial, group: Group | None, key: str) -> list[str]:
 
 
 def _placed(kept: Any, places: Mapping[str, str], prefix: str, name: str, value: Any) -> Any:
-    """A trial or a group with one value set: in a field of that name, in the section's field or in the setup."""
+    """A trial or a group with one value set: in a field of that name, in the section's field or in the setup.
+
+    Of a world of the user's own the text of its file is read.
+    """
+    if isinstance(kept, Trial) and (prefix, name) == ("", "world"):
+        kept = dataclasses.replace(kept, world_source=found.read(value, "world") if found.is_path(value) else "")
     if not prefix and name in {field.name for field in dataclasses.fields(kept)}:
         return dataclasses.replace(kept, **{name: value})
     field, key = (places[prefix], name) if prefix in places else ("setup", f"{prefix}{name}")
@@ -96,7 +117,7 @@ def _with_law(group: Group, value: str) -> Group:
     if lawentry.is_path(name):
         law, source = name, lawentry.read_source(name)
     else:
-        found.load("flocking.laws", name, "law")
+        lawentry.module_of(name)
         law, source = name.replace("_", "-"), ""
     setup = {**group.setup, "obstacles": "avoid"} if name != value else group.setup
     return dataclasses.replace(group, law=law, law_source=source, law_parameters={}, spread={}, setup=setup)

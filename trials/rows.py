@@ -51,16 +51,29 @@ def below(setup: Mapping[str, Any], prefix: str) -> dict[str, Any]:
     return {key.removeprefix(prefix): value for key, value in setup.items() if key.startswith(prefix)}
 
 
-def rows_of(section: Section, group: str = "") -> list[Row]:
-    """A row for each shown parameter of a section; `group`: put before each key, as in `herd.`."""
+def rows_of(section: Section, group: str = "", given: Mapping[str, Any] = MappingProxyType({})) -> list[Row]:
+    """A row for each shown parameter of a section.
+
+    `group`: put before each key, as in `herd.`; `given`: by name, the values that the trial or the group has of its
+    own: where one is not the default, the declared source is not its source.
+    """
     values = section.values()
     found = []
     for name, parameter in section.parameters.items():
         if name in values:
             about = section.words.get(name, parameter.about)
             key = f"{group}{section.prefix}{name}"
-            found.append(Row(key, values[name], parameter.about.unit, about.source, about.published))
+            row = Row(key, values[name], parameter.about.unit, about.source, about.published)
+            usual = parameter.default in ("", given.get(name, parameter.default))
+            if name not in section.words and not usual:
+                row = row._replace(source=f"set by the experiment{_in_place_of(parameter.default)}", published=False)
+            found.append(row)
     return found
+
+
+def _in_place_of(default: Any) -> str:
+    """Of which default a value stands in place; nothing of one that is left open (nan)."""
+    return "" if default != default else f" in place of {default}"
 
 
 def marked(row: Row, usual: Any) -> Row:

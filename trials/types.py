@@ -48,11 +48,14 @@ class Trial:
     simulation: str
     """The simulation that runs it: a folder of `trials.simulations`."""
     world: str
+    """Name of a world, or the path of a user's own file."""
     formation: str
     groups: tuple[Group, ...]
     index: int = 1
     """From 1."""
     seed: int = 1
+    world_source: str = ""
+    """Text of the user's own file of a world, whose path `world` is: it travels with the trial."""
     world_parameters: Mapping[str, Value] = field(default_factory=dict)
     formation_parameters: Mapping[str, Value] = field(default_factory=dict)
     setup: Mapping[str, Value] = field(default_factory=dict)
@@ -71,6 +74,13 @@ class Trial:
         fields = dict(data)
         fields["groups"] = tuple(Group(**group) for group in fields["groups"])
         return Trial(**fields)
+
+
+def compared(value: Any) -> Any:
+    """A value of a trial's or a group's field to be hashed and compared, so that 1, 1.0 and true differ."""
+    if isinstance(value, Mapping):
+        return tuple((key, type(each), each) for key, each in value.items())
+    return type(value), value
 
 
 Kept = TypeVar("Kept", Group, Trial)

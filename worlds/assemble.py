@@ -90,13 +90,15 @@ def build(
     names: Sequence[str],
     poses_w: Floats,
     timestep_s: float,
+    world_text: str = "",
 ) -> World:
     """The world of that name with a robot of the body `bodies[k]`, called `names[k]`, at each pose (N, 3).
 
+    `world_text`: of the file of a world of the user's own, whose name is then its path; read there if it is not given.
     Raises `InputError` for an unknown world, body or parameter.
     """
     kinds = tuple(body.load(name) for name in bodies)
-    module = found.load("worlds", world, "world")
+    module = found.load("worlds", world, "world", world_text)
     parameters = filled(module.Parameters, world_parameters, prefix="world.")
     walls = module.walls(parameters)
     model = specification(walls, kinds, names, poses_w, timestep_s, looks=False).compile()

@@ -7,7 +7,9 @@ import math
 import pytest
 
 from flocking.errors import InputError
-from trials import design
+from trials import design, simulations
+from trials.batch import running
+from trials.commands.listing import planned
 from trials.simulations.robots import fields
 from trials.types import Trial
 
@@ -83,13 +85,23 @@ class TestCaseStudy:
             ({"world.width_m": -1}, "from 0.5"),
             ({"herd.body": "fleet"}, "create"),
             ({"flock.count": 3}, "herd.count"),
-            ({"herd.count": 0}, "from 1 to 1000"),
+            ({"herd.count": 0}, "expected a whole number of robots from 1 to 1000"),
+            ({"herd.count": "six"}, "expected a whole number of robots"),
+            ({"herd.count": 2.5}, "expected a whole number of robots"),
+            ({"herd.rate_hz": "fast"}, "expected a number in Hz"),
             ({"formation": "line"}, "single-group"),
         ],
     )
     def test_wrong_keys_and_values_are_refused(self, settings: dict[str, object], words: str) -> None:
         with pytest.raises(InputError, match=words):
             design.plan("detection-case-study", settings=settings)
+
+    def test_one_trial_is_not_told_as_several(self) -> None:
+        one = {"herd.pipeline": "perfect", "herd.law.exclusion_m": 0.5}
+        made = design.plan("detection-case-study", repeats=1, settings=one)
+        assert "\n1 trial, 1 repeat of each cell:\n" in planned(made, made.trials)
+        made = design.plan("detection-case-study", repeats=2)
+        assert "\n1 of 18 trials, 2 repeats of each cell:\n" in planned(made, made.trials[:1])
 
     def test_a_key_cannot_be_both_set_and_swept(self) -> None:
         with pytest.raises(InputError, match="both set and swept"):
@@ -111,6 +123,19 @@ class TestCaseStudy:
         settings = {"herd.law.repulsion_m": 0.4, "herd.law": "snn"}
         group = design.plan("detection-case-study", settings=settings).trials[0].groups[0]
         assert (group.law, group.law_parameters["repulsion_m"]) == ("snn", 0.4)
+
+
+def test_what_trials_have_in_common_is_looked_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A plan of thousands of trials is made and checked by its cells, not by its repeats."""
+    looked_at: list[Trial] = []
+    monkeypatch.setattr(simulations, "_check", looked_at.append)
+    simulations._check_kind.cache_clear()
+    made, chosen = running.planned(running.Asked("information-abstraction", repeats=5))
+    simulations._check_kind.cache_clear()
+    assert len(chosen) > 2000
+    assert len(looked_at) == len(chosen) // 5
+    assert {trial.repeat for trial in made.trials} == {1, 2, 3, 4, 5}
+    assert {trial.repeat for trial in looked_at} == {1}
 
 
 def test_show_gives_the_values_of_the_named_sensor_setting() -> None:

@@ -22,6 +22,7 @@ from trials.batch import folders, machine, progress, runfile, store, worker
 from trials.batch.batch import Work, run_batch
 from trials.batch.store import Row, Store
 from trials.design import DEFAULT_SEED, Plan, load, plan
+from trials.invoked import command, herd, spelled
 from trials.keys import AVOIDS
 from trials.types import Trial
 
@@ -62,9 +63,9 @@ class Asked:
             if getattr(self, name) is not None:
                 words += [f"--{name}", getattr(self, name)]
         for key, value in self.settings.items():
-            words += ["--set", f"{key}={_toml(value)}"]
+            words += ["--set", f"{key}={spelled(value)}"]
         for key, values in self.sweep.items():
-            words += ["--sweep", f"{key}={','.join(map(_toml, values))}"]
+            words += ["--sweep", f"{key}={','.join(map(spelled, values))}"]
         return shlex.join(words)
 
 
@@ -129,6 +130,7 @@ def start(asked: Asked, out: Path | None, jobs: int, report: Report) -> int:
         "only": ranges(asked.only) if asked.only is not None else None,
         "record": asked.record or record_of(asked.experiment),
         "scans": asked.scans,
+        "notes": made.notes,
         "started": datetime.now(UTC).isoformat(timespec="seconds"),
         **machine.made_with(),
         "laws": declared_laws(chosen),
@@ -202,13 +204,14 @@ def debug(asked: Asked) -> int:
 
 def conditions(trial: Trial) -> str:
     """The conditions of a trial in one line."""
-    return ", ".join(f"{key}={_toml(value)}" for key, value in trial.conditions.items()) or "no conditions"
+    return ", ".join(f"{key}={spelled(value)}" for key, value in trial.conditions.items()) or "no conditions"
 
 
 def code_of(trials: Sequence[Trial]) -> dict[str, str]:
     """The texts of the users' law files that take part, under names of their own."""
     found: dict[str, str] = {}
     texts = {(group.law, group.law_source): None for trial in trials for group in trial.groups if group.law_source}
+    texts |= {(trial.world, trial.world_source): None for trial in trials if trial.world_source}
     for law, text in texts:
         path = Path(law)
         name, number = path.name, 2
@@ -287,7 +290,7 @@ def _run_rest(kept: Store, jobs: int, report: Report) -> int:
     if stopped:
         print(
             f"herd: stopped; {len(rows)} of {len(trials)} trials are kept in {kept.folder}; "
-            f"finish it with: herd resume {shlex.quote(str(kept.folder))}",
+            f"finish it with: {command('resume', str(kept.folder))}",
             file=sys.stderr,
         )
         return 128 + stopped
@@ -322,24 +325,19 @@ def _summary(kept: Store, rows: Sequence[Row], new: int, seconds: float) -> list
     lines = [f"{len(rows)} trial{'s' * (len(rows) != 1)}: {done}{took} {progress.duration(seconds)}"]
     for row in failed[:SHOWN_FAILURES]:
         lines.append(progress.failure(row))
-        lines.append(f"  once more, with its traceback: {kept.run.get('command')} --only {row.index} --debug")
+        again = str(kept.run.get("command")).replace("herd", herd(), 1)
+        lines.append(f"  once more, with its traceback: {again} --only {row.index} --debug")
     if len(failed) > SHOWN_FAILURES:
         lines.append(f"… and {len(failed) - SHOWN_FAILURES} more failed; all are in {folder / folders.RESULTS}")
     died = sum(row.reason.startswith(store.DIED) for row in failed)
     if died:
-        lines.append(f"{died} of them lost their workers; run these again with: herd resume {shlex.quote(str(folder))}")
+        again = command("resume", str(folder))
+        lines.append(f"{died} of them lost their workers; run these again with: {again}")
     lines.append(f"results     {folder}")
     if (folder / "report.html").exists():
         lines.append(f"report      {folder / 'report.html'}")
     recorded = [row.index for row in rows if kept.recording(row.index)]
     if recorded:
         lines.append(f"recordings  {folder / folders.RECORDINGS}, {len(recorded)} of {len(rows)} trials")
-        lines.append(f"play one    herd play {shlex.quote(str(folder))} --trial {recorded[0]}")
+        lines.append(f"play one    {command('play', str(folder), '--trial', str(recorded[0]))}")
     return lines
-
-
-def _toml(value: Any) -> str:
-    """A value as an option spells it."""
-    if isinstance(value, bool):
-        return str(value).lower()
-    return value if isinstance(value, str) else repr(value)

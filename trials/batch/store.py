@@ -14,7 +14,6 @@ killed.
 from __future__ import annotations
 
 import json
-import shlex
 import shutil
 import sqlite3
 from collections.abc import Mapping
@@ -40,6 +39,7 @@ from trials.batch.folders import (
     write_whole,
     writing,
 )
+from trials.invoked import command
 from trials.types import Trial, TrialResult
 
 _COLUMNS = "idx, status, reason, seed, repeat, conditions, measures, digest"
@@ -227,7 +227,7 @@ def create(folder: Path, run: Mapping[str, Any], code: Mapping[str, str]) -> Sto
     made_new(folder)
     if (folder / RUN).exists():
         raise InputError(
-            f"{folder} holds a run: name another folder, or finish it with herd resume {shlex.quote(str(folder))}"
+            f"{folder} holds a run: name another folder, or finish it with {command('resume', str(folder))}"
         )
     found = sorted(path.name for path in folder.iterdir())
     others = [name for name in found if name not in (RESULTS, SERIES, RECORDINGS, CODE) and not is_temporary(name)]

@@ -17,7 +17,6 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter, process_time
 
@@ -28,6 +27,7 @@ from flocking.errors import InputError
 from flocking.types import Floats
 from robots import body as bodies
 from trials.commands import bench_kinematic
+from trials.commands.bench_figures import REPEATS, Figure, processor_s, repeated, timed, wall_s
 from trials.design import plan
 from trials.simulations.robots.fields import of_trial
 from trials.simulations.robots.herd import Herd, assemble
@@ -35,8 +35,6 @@ from trials.simulations.robots.log import Log
 from trials.simulations.robots.loop import run, run_trial
 from trials.types import Trial
 
-REPEATS = 5
-"""Runs of each figure, after one that is not counted."""
 SECONDS = 20.0
 """Simulated seconds of each run of a herd."""
 RECORDED_SECONDS = 60.0
@@ -47,50 +45,6 @@ LARGE = 96
 BATCH_TRIALS = 16
 BATCH_SECONDS = 60.0
 """Simulated seconds of each trial of the batches."""
-
-
-@dataclass(frozen=True)
-class Figure:
-    """One measured figure."""
-
-    name: str
-    unit: str
-    runs: tuple[float, ...]
-    target: float
-    """nan = none."""
-    at_least: bool = True
-    """Whether the target is a lower bound."""
-
-    @property
-    def median(self) -> float:
-        """Median of the runs."""
-        return float(np.median(self.runs))
-
-    @property
-    def worst(self) -> float:
-        """5th percentile where more is better, else the 95th."""
-        return float(np.percentile(self.runs, 5 if self.at_least else 95))
-
-    @property
-    def met(self) -> bool | None:
-        """Whether the median meets the target; None where there is none."""
-        if math.isnan(self.target):
-            return None
-        return self.median >= self.target if self.at_least else self.median <= self.target
-
-    def as_dict(self) -> dict[str, object]:
-        """For JSON."""
-        target = None if math.isnan(self.target) else self.target
-        return {
-            "name": self.name,
-            "unit": self.unit,
-            "median": self.median,
-            "worst": self.worst,
-            "runs": list(self.runs),
-            "target": target,
-            "at_least": self.at_least,
-            "met": self.met,
-        }
 
 
 def bench(save: Path | None = None, compare: Path | None = None) -> None:
@@ -130,9 +84,9 @@ def herd_speed() -> list[Figure]:
     """Herds with lasers, member-based detection and HA, asynchronous, not recorded: simulated by processor time."""
     figures = []
     for count, target in ((6, 100.0), (20, 25.0), (LARGE, math.nan)):
-        rates = tuple(SECONDS / seconds for seconds in _repeated(_loop_seconds, herd_of(count)))
+        rates = tuple(SECONDS / seconds for seconds in repeated(_loop_seconds, herd_of(count)))
         figures.append(Figure(f"{count} robots", "x real time", rates, target))
-    rates = tuple(SECONDS / seconds for seconds in _repeated(_seconds, lambda: run_trial(herd_of(LARGE))))
+    rates = tuple(SECONDS / seconds for seconds in repeated(processor_s, lambda: run_trial(herd_of(LARGE))))
     return [*figures, Figure(f"{LARGE} robots, built and measured too", "x real time", rates, math.nan)]
 
 
@@ -169,7 +123,7 @@ def parts() -> list[Figure]:
         "4 decide (extended HA)": lambda: robot.decide(detection, sets),
         "5 drive": lambda: robot.drive(motion),
     }
-    return [Figure(name, "µs", _timed(call, 2000), math.nan, at_least=False) for name, call in calls.items()]
+    return [Figure(name, "µs", timed(call, 2000), math.nan, at_least=False) for name, call in calls.items()]
 
 
 def laser() -> list[Figure]:
@@ -193,7 +147,7 @@ def laser() -> list[Figure]:
     roots = [model.body(f"{prefix(name)}base").id for name in names]
     lasers, rays = Lasers(model, sites, roots, [SETTINGS["ideal"]] * 25), Rays(model, sites, roots)
     turns = itertools.cycle(range(25))
-    scans = _timed(lambda: lasers.trace(data, next(turns)), 2000)
+    scans = timed(lambda: lasers.trace(data, next(turns)), 2000)
     apart = compare(lasers, rays, data)
     return [
         Figure("rays of a scan", "µs", scans, math.nan, at_least=False),
@@ -207,7 +161,7 @@ def growth() -> list[Figure]:
     costs: dict[int, tuple[float, ...]] = {}
     for count in GROUP_SIZES:
         trial = herd_of(count, seconds=max(2.0, SECONDS * 6 / count))
-        costs[count] = _repeated(
+        costs[count] = repeated(
             lambda trial=trial, count=count: _loop_seconds(trial) / of_trial(trial).duration_s / count * 1e3
         )
     figures = [
@@ -227,8 +181,8 @@ def recording() -> list[Figure]:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "trial.rrd"
         for _ in range(REPEATS + 1):
-            plain = _seconds(lambda: run_trial(trial))
-            recorded = _seconds(lambda: recordings.write(run_trial(trial, scans="some"), path))
+            plain = processor_s(lambda: run_trial(trial))
+            recorded = processor_s(lambda: recordings.write(run_trial(trial, scans="some"), path))
             added.append(100.0 * (recorded / plain - 1.0))
             sizes.append(path.stat().st_size / 1e6)
     return [
@@ -275,7 +229,7 @@ def start_up() -> list[Figure]:
         Figure(
             "herd --help, wall time",
             "s",
-            _repeated(_wall, lambda: subprocess.run(command, stdout=subprocess.DEVNULL, check=True)),
+            repeated(wall_s, lambda: subprocess.run(command, stdout=subprocess.DEVNULL, check=True)),
             0.5,
             at_least=False,
         )
@@ -288,7 +242,7 @@ def kinematic_herd() -> list[Figure]:
     Without a compiler, members are computed one by one: by the law's own function as it is written, and by a version
     rewritten for NumPy's arrays.
     """
-    found = bench_kinematic.measured(_repeated)
+    found = bench_kinematic.measured(repeated)
     targets = {"10,000 boids": 100.0}
     figures = [
         Figure(name, "steps/s", runs, targets.get(name, math.nan)) for name, runs in found.items() if "boids" in name
@@ -308,7 +262,7 @@ def whole_experiment() -> list[Figure]:
         Figure(
             "lch-table-4-1, wall time on all cores",
             "s",
-            _repeated(bench_kinematic.table_4_1_seconds),
+            repeated(bench_kinematic.table_4_1_seconds),
             20.0,
             at_least=False,
         )
@@ -350,7 +304,7 @@ def _loop_seconds(trial: Trial) -> float:
     """Processor time of the loop, without building the world."""
     herd = assemble(trial, record=False)
     log = Log(trial, len(herd.robots), "none")
-    return _seconds(lambda: run(herd, log, last=_last_tick(trial)))
+    return processor_s(lambda: run(herd, log, last=_last_tick(trial)))
 
 
 def _with_controls(trial: Trial) -> tuple[Herd, Floats]:
@@ -372,37 +326,6 @@ def _replayed(herd: Herd, controls: Floats) -> float:
         ctrl[:] = row
         step(model, data)
     return process_time() - started
-
-
-def _repeated(call: Callable[..., float], *arguments: object) -> tuple[float, ...]:
-    call(*arguments)
-    return tuple(call(*arguments) for _ in range(REPEATS))
-
-
-def _seconds(call: Callable[[], object]) -> float:
-    """Processor time of this process, s."""
-    started = process_time()
-    call()
-    return process_time() - started
-
-
-def _wall(call: Callable[[], object]) -> float:
-    """Wall time, for work that other processes do, s."""
-    started = perf_counter()
-    call()
-    return perf_counter() - started
-
-
-def _timed(call: Callable[[], object], calls: int) -> tuple[float, ...]:
-    """Processor time of one call, µs."""
-
-    def once() -> float:
-        started = process_time()
-        for _ in range(calls):
-            call()
-        return (process_time() - started) / calls * 1e6
-
-    return _repeated(once)
 
 
 def _read(path: Path) -> dict[str, float]:

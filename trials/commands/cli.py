@@ -41,7 +41,9 @@ def _whole(low: int, high: int | None = None) -> Callable[[str], int]:
     return read
 
 
-Experiment = Annotated[str, Argument(help="Name of an experiment, see `herd list experiments`.")]
+Experiment = Annotated[
+    str, Argument(help="Name of an experiment, see `herd list experiments`, or the path of your own file.")
+]
 Run = Annotated[Path | None, Argument(metavar="[DIR]", help="A run's folder; the newest one below runs/ by default.")]
 Repeats = Annotated[
     int | None, Option(parser=_whole(1), metavar="N", help="Repeats of each cell; the experiment's own by default.")
@@ -50,13 +52,31 @@ Seed = Annotated[int, Option(parser=_whole(0, 2**63 - 1), metavar="S", help="Of 
 Jobs = Annotated[int | None, Option(parser=_whole(1), metavar="J", help="Worker processes; all cores by default.")]
 Law = Annotated[str | None, Option(help="Another law: its name or the path of your own file.")]
 Pipeline = Annotated[str | None, Option(help="Another member detection.")]
-Body = Annotated[str | None, Option(help="Another robot.")]
+Body = Annotated[str | None, Option(help="Another robot: its name or the path of your own folder.")]
 Settings = Annotated[
     list[str] | None, Option("--set", metavar="KEY=VALUE", help="Sets a parameter; VALUE is TOML. May be repeated.")
 ]
 Sweeps = Annotated[
     list[str] | None, Option("--sweep", metavar="KEY=A,B,C", help="Runs all of it for each value. May be repeated.")
 ]
+
+
+def _version(asked: bool) -> None:
+    if not asked:
+        return
+    from importlib import metadata
+
+    print(f"herd {metadata.version('create-herd')} (Python {sys.version.split()[0]})")
+    raise typer.Exit
+
+
+@app.callback()
+def _first(
+    version: Annotated[
+        bool, Option("--version", callback=_version, is_eager=True, help="Prints the version and ends.")
+    ] = False,
+) -> None:
+    """Simulated herds of iRobot Create robots, and the experiments that made such herds known."""
 
 
 @app.command("list")
@@ -179,13 +199,17 @@ def resume(folder: Run = None, jobs: Jobs = None) -> int:
 
 @app.command()
 def report(
-    folder: Run = None, json: Annotated[bool, Option("--json", help="Prints the list of claims as JSON.")] = False
+    folder: Run = None,
+    json: Annotated[bool, Option("--json", help="Prints the list of claims as JSON.")] = False,
+    experiment: Annotated[
+        Path | None, Option(metavar="FILE", help="Your own experiment's file, for its claims and figures.")
+    ] = None,
 ) -> None:
     """Sets the published beside the measured.
 
     A table here, figures and one HTML page in the run's folder.
     """
-    print(_report(_run_folder(folder), as_json=json))
+    print(_report(_run_folder(folder), json, str(experiment) if experiment is not None else None))
 
 
 @app.command()
@@ -213,10 +237,13 @@ def world(
 
     The compiled world with its robots at their start; it loads in any MuJoCo viewer.
     """
+    import shlex
+
     from trials import simulations
     from trials.batch.folders import write_whole
     from trials.batch.running import Asked, planned
     from trials.commands import lawcheck, options
+    from trials.invoked import command
 
     asked = Asked(experiment, repeats=repeat, settings=options.settings(settings or []))
     lawcheck.check_all(asked)
@@ -225,10 +252,11 @@ def world(
     world_xml = simulations.of(chosen).world_xml
     if world_xml is None:
         raise InputError(
-            f"experiment {experiment!r} is {chosen.simulation}: it has no world for MuJoCo; see it with herd play"
+            f"experiment {experiment!r} is {chosen.simulation}: it has no world for MuJoCo; run it and see it with "
+            f"{command('play')}"
         )
     write_whole(out, world_xml(chosen).encode())
-    print(f"{out}: open it with python -m mujoco.viewer --mjcf={out}")
+    print(f"{out}: open it with {shlex.join([sys.executable, '-m', 'mujoco.viewer', f'--mjcf={out}'])}")
 
 
 @app.command()
@@ -244,6 +272,7 @@ def bench(
 
 def main() -> int:
     """The command: 0 done, 1 a trial failed, 2 bad input (one line on stderr), 130 stopped by Ctrl-C."""
+    _find_ours_alone()
     try:
         for stream in (sys.stdout, sys.stderr):  # what its encoding cannot show is replaced, and nothing fails
             if isinstance(stream, io.TextIOWrapper):
@@ -258,8 +287,9 @@ def main() -> int:
     except InputError as error:
         return _refuse(str(error))
     except (KeyboardInterrupt, typer.Abort):
-        print("herd: stopped", file=sys.stderr)
-        return 130
+        return _stopped("")
+    except _StoppedError as stop:
+        return _stopped(f"; {stop}")
     except typer.TyperException as error:
         return _refuse(_told(error.format_message()))
     except BrokenPipeError:  # the reader of the output has closed it, as `head` does
@@ -269,6 +299,20 @@ def main() -> int:
         if not error.strerror:
             raise
         return _refuse(f"{error.filename}: {error.strerror}" if error.filename else error.strerror)
+
+
+def _find_ours_alone() -> None:
+    """Keeps packages in the working folder, such as another `robots/` or `trials/`, from standing in for ours.
+
+    Python looks there first for what is started as a module: this process, and those that it starts.
+    """
+    home = str(Path(__file__).resolve().parents[2])
+    if sys.path and Path(sys.path[0]).resolve() == Path.cwd() and str(Path.cwd()) != home:
+        del sys.path[0]
+    os.environ["PYTHONSAFEPATH"] = "1"
+    known = os.environ.get("PYTHONPATH", "").split(os.pathsep)
+    if home not in known and Path(home).name not in ("site-packages", "dist-packages"):
+        os.environ["PYTHONPATH"] = os.pathsep.join([home, *filter(None, known)])
 
 
 def _told(message: str) -> str:
@@ -282,15 +326,30 @@ def _commands() -> list[Any]:
     return list(typer.main.get_group(app).commands.values())
 
 
+class _StoppedError(Exception):
+    """Ctrl-C ended a command; the message says what is missing. Typer would take a KeyboardInterrupt for itself."""
+
+
+def _stopped(told: str) -> int:
+    print(f"herd: stopped{told}", file=sys.stderr)
+    return 130
+
+
 def _refuse(message: str) -> int:
     print(f"herd: {printable(' '.join(message.split()))}", file=sys.stderr)
     return 2
 
 
-def _report(folder: Path, as_json: bool = False) -> str:
+def _report(folder: Path, as_json: bool = False, experiment: str | None = None) -> str:
+    from trials.invoked import command
     from trials.reports.report import report
 
-    return report(folder, as_json=as_json)
+    try:
+        return report(folder, as_json, experiment)
+    except KeyboardInterrupt:
+        file = ["--experiment", experiment] if experiment is not None else []
+        again = command("report", str(folder), *file, *(["--json"] if as_json else []))
+        raise _StoppedError(f"the report of {folder} is not complete; make it with: {again}") from None
 
 
 def _cores() -> int:

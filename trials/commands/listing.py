@@ -15,6 +15,7 @@ from flocking.selection import SELECTIONS
 from trials import simulations
 from trials.commands.constants import constants
 from trials.design import experiments
+from trials.evidence.summary import naming, shown_value
 from trials.types import Trial
 
 SHOWN_TRIALS = 12
@@ -43,7 +44,7 @@ def listing(what: str | None) -> str:
 def planned(plan: Any, chosen: Sequence[Trial]) -> str:
     """A plan: its parameters and the trials that will run."""
     rows = [
-        (row.key, _value(row.value), row.unit, "published" if row.published else "chosen", row.source)
+        (row.key, shown_value(row.value), row.unit, "published" if row.published else "chosen", row.source)
         for row in plan.parameters
     ]
     lines = [f"{plan.experiment}: {plan.title}", "", *_table(("parameter", "value", "unit", "", "source"), rows), ""]
@@ -53,13 +54,19 @@ def planned(plan: Any, chosen: Sequence[Trial]) -> str:
     ]
     lines += [*_table(("constant, not to be set", "value", "unit and source"), fixed), ""]
     for factor, values in (*plan.conditions.items(), *plan.sweep.items()):
-        lines.append(f"varied: {factor} = {', '.join(map(_value, values))}")
+        lines.append(f"varied: {factor} = {', '.join(map(shown_value, values))}")
     lines += [f"note: {note}" for note in plan.notes]
     some = "" if len(chosen) == len(plan.trials) else f" of {len(plan.trials)}"
-    lines += ["", f"{len(chosen)}{some} trials, {plan.repeats} repeats of each cell:"]
-    trials = [_trial(trial) for trial in chosen]
-    if len(trials) > SHOWN_TRIALS + 2:
-        trials = [*trials[:SHOWN_TRIALS], ("…", "", "", "", ""), trials[-1]]
+    told = f"{len(chosen)}{some} trial{'s' * (len(plan.trials) != 1)}, {plan.repeats} repeat{'s' * (plan.repeats != 1)}"
+    lines += ["", f"{told} of each cell:"]
+    words = naming(trial.conditions for trial in plan.trials)
+    shown = chosen if len(chosen) <= SHOWN_TRIALS + 2 else [*chosen[:SHOWN_TRIALS], chosen[-1]]
+    trials = [
+        (str(trial.index), str(trial.repeat), str(trial.seed), trial.formation, words(trial.conditions))
+        for trial in shown
+    ]
+    if len(shown) < len(chosen):
+        trials.insert(SHOWN_TRIALS, ("…", "", "", "", ""))
     return "\n".join([*lines, *_table(("trial", "repeat", "seed", "formation", "conditions"), trials)])
 
 
@@ -96,17 +103,6 @@ def _first_sentence(module: str) -> str:
     except SyntaxError:  # told when the file is loaded
         text = ""
     return _opening(text)
-
-
-def _trial(trial: Trial) -> tuple[str, ...]:
-    conditions = ", ".join(f"{key.rsplit('.', 1)[-1]} {_value(value)}" for key, value in trial.conditions.items())
-    return str(trial.index), str(trial.repeat), str(trial.seed), trial.formation, conditions
-
-
-def _value(value: Any) -> str:
-    if isinstance(value, bool):
-        return str(value).lower()
-    return f"{value:g}" if isinstance(value, float) else str(value)
 
 
 def _table(head: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> list[str]:

@@ -12,6 +12,8 @@ from trials.design import MAX_TRIALS
 
 _KEY = re.compile(r"[A-Za-z_][\w-]*(\.[A-Za-z_][\w-]*)*")
 _WORD = re.compile(r"[A-Za-z_.~/][\w./~-]*\+?(\([\w., -]*\))?( *& *[A-Za-z_-]+(\([\w., -]*\))?)*")
+_BETWEEN = re.compile(r",(?![^(]*\))")
+"""A comma outside of parentheses: those of `distance-based(0, 3)` are of one value."""
 _RANGE = re.compile(r"(\d+)(?:-(\d+))?")
 
 
@@ -85,7 +87,7 @@ def _values(given: str, text: str) -> list[Any]:
     try:
         values = _toml(f"[{text}]")
     except tomllib.TOMLDecodeError:
-        values = [_value(given, part.strip()) for part in text.split(",")]
+        values = [_value(given, part.strip()) for part in _BETWEEN.split(text)]
     for number, value in enumerate(values):
         if any(value == other and type(value) is type(other) for other in values[:number]):
             raise InputError(f"{given}: {value!r} is given twice")

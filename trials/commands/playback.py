@@ -14,6 +14,8 @@ from urllib.parse import quote
 
 from flocking.errors import InputError
 from trials.batch.running import ranges
+from trials.commands.webpage import served
+from trials.invoked import command
 
 LOOPBACK = "127.0.0.1"
 """The viewer's servers would listen on all addresses by default, where others could reach them."""
@@ -79,22 +81,24 @@ def _show(path: Path) -> None:
     process = _started(viewer_command(path, port, None))
     print(f"Playing {path}; close the window or press Ctrl-C to end.", flush=True)
     if _waited(process) not in (0, -signal.SIGINT, -signal.SIGTERM):
-        raise InputError(f"Rerun's viewer ended with code {process.returncode}: try herd play --web")
+        in_browser = command("play", str(path.parent.parent), "--trial", str(int(path.stem)), "--web")
+        raise InputError(f"Rerun's viewer ended with code {process.returncode}: try {in_browser}")
 
 
 def _serve(path: Path) -> None:
-    port, web_port = _free_ports(2)
-    process = _started(viewer_command(path, port, web_port))
-    try:
-        _await(process, web_port)
-        print(f"Playing {path}; open this in a browser on this machine, Ctrl-C to end:", flush=True)
-        print(web_address(port, web_port), flush=True)
-    except BaseException as stopped:
-        _end(process)
-        if isinstance(stopped, KeyboardInterrupt):
-            return
-        raise
-    _waited(process)
+    port, viewer_port, web_port = _free_ports(3)
+    process = _started(viewer_command(path, port, viewer_port))
+    with served(LOOPBACK, web_port, viewer_port, port):
+        try:
+            _await(process, viewer_port)
+            print(f"Playing {path}; open this in a browser on this machine, Ctrl-C to end:", flush=True)
+            print(web_address(port, web_port), flush=True)
+        except BaseException as stopped:
+            _end(process)
+            if isinstance(stopped, KeyboardInterrupt):
+                return
+            raise
+        _waited(process)
 
 
 def _await(process: subprocess.Popen[bytes], port: int) -> None:

@@ -42,6 +42,8 @@ class Entry:
     """The values of a sweep's keys in the trials that it is about."""
     outcomes: tuple[Outcome, ...] = ()
     """All that was tested, of which `measured` is the one that the verdict hangs on."""
+    words: tuple[str, ...] = ()
+    """Of the command of `herd` that makes the trials which an undecided claim needs; empty where there is none."""
 
     def as_json(self) -> dict[str, Any]:
         """As `herd report --json` prints it; nan becomes null."""
@@ -129,7 +131,7 @@ def answered(question: Question, used: Sequence[Cells], arm: Mapping[str, Any]) 
     try:
         judged = question.judge()
     except UndecidedError as why:
-        return _undecided(question, str(why), arm)
+        return _undecided(question, why, arm)
     shown, failed = judged.shown, sum(cells.failed() for cells in used)
     left_out = f"; {failed} failed trial{'s' if failed > 1 else ''} left out" if failed else ""
     measured, low, high, margin = shown.shown()
@@ -152,7 +154,7 @@ def answered(question: Question, used: Sequence[Cells], arm: Mapping[str, Any]) 
     )
 
 
-def _undecided(question: Question, why: str, arm: Mapping[str, Any]) -> Entry:
+def _undecided(question: Question, why: UndecidedError, arm: Mapping[str, Any]) -> Entry:
     """The entry of a question that the run cannot answer."""
     nan = math.nan
     return Entry(
@@ -168,6 +170,7 @@ def _undecided(question: Question, why: str, arm: Mapping[str, Any]) -> Entry:
         test=f"undecided: {why}",
         margin=nan,
         arm=arm,
+        words=why.words,
     )
 
 

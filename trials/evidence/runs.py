@@ -46,6 +46,11 @@ class Run(Protocol):
 class UndecidedError(Exception):
     """A claim cannot be judged on this run; the message says why."""
 
+    def __init__(self, why: str, words: Sequence[str] = ()) -> None:
+        """`words`: of the command of `herd` that would make up for it."""
+        super().__init__(why)
+        self.words = tuple(words)
+
 
 def arms(run: Run, keys: Sequence[str]) -> list[tuple[dict[str, Any], list[Trial]]]:
     """The arms of a run: for each combination of the conditions other than `keys`, its values and its trials."""
@@ -99,7 +104,7 @@ class Cells:
         rows = self._planned[cell]
         if any(row is None for row in rows.values()):
             missing = sum(row is None for used in self.used for row in self._planned.get(used, {}).values())
-            raise UndecidedError(f"{missing} of the trials that it needs have not run (herd resume finishes them)")
+            raise UndecidedError(f"{missing} of the trials that it needs have not run")
         return {repeat: row if row is not None and row.status == "done" else None for repeat, row in rows.items()}
 
     def values(self, measure: str, *cell: Any) -> dict[int, float]:

@@ -5,15 +5,17 @@ Matplotlib is imported where it is used: it takes long.
 
 from __future__ import annotations
 
+import io
 import itertools
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from trials.batch.store import write_whole
 from trials.evidence.claims import Entry
-from trials.evidence.summary import Cell, mean, named
+from trials.evidence.summary import Cell, mean, naming
 from trials.types import Measure, TrialResult
 
 Canvas = Any
@@ -22,6 +24,8 @@ Canvas = Any
 ROBOT_COLOURS = ("#1f77b4", "#d62728", "#2ca02c", "#9467bd", "#ff7f0e", "#17becf")
 SERIES_COLOURS = ("#0072b2", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#d55e00", "#999999", "#000000")
 """Okabe and Ito's, which most readers can tell apart."""
+LEGEND_LINES = 12
+"""Lines of a figure that a legend can tell apart."""
 VERDICT_COLOURS = {True: "#0b7a34", False: "#b3261e", None: "#777777"}
 STYLE = {
     "font.size": 8,
@@ -46,14 +50,33 @@ class Figure(NamedTuple):
     """An .svg, or a .png where there are very many dots."""
 
 
-def save(canvas: Canvas, folder: Path, name: str, title: str, caption: str, dots: bool = False) -> Figure:
-    """Writes a drawing to `folder`/figures; equal drawings are equal bytes."""
+class Place(NamedTuple):
+    """Where the figures of one arm of a run go, and what they are called."""
+
+    folder: Path
+    """Of the run."""
+    suffix: str = ""
+    """Behind the names of the files."""
+    words: str = ""
+    """The arm, in the titles."""
+
+
+def save(canvas: Canvas, place: Path | Place, name: str, title: str, caption: str, dots: bool = False) -> Figure:
+    """Writes a drawing whole, or not at all, into the figures of a run's folder; equal drawings are equal bytes.
+
+    Raises `StorageError` where it cannot be written.
+    """
     import matplotlib as mpl
 
-    path = folder / "figures" / f"{name}.{'png' if dots else 'svg'}"
-    path.parent.mkdir(parents=True, exist_ok=True)
+    place = place if isinstance(place, Place) else Place(place)
+    name, title = f"{name}{place.suffix}", f"{title}: {place.words}" if place.words else title
+    path = place.folder / "figures" / f"{name}.{'png' if dots else 'svg'}"
+    drawn = io.BytesIO()
     with mpl.rc_context({**STYLE, "svg.hashsalt": name}):  # ids differ from figure to figure on one page
-        canvas.savefig(path, dpi=140, metadata=None if dots else NO_METADATA)
+        kind = path.suffix.removeprefix(".")
+        canvas.savefig(drawn, format=kind, dpi=140, metadata=None if dots else NO_METADATA)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    write_whole(path, drawn.getvalue())
     return Figure(name, title, caption, path)
 
 
@@ -165,12 +188,18 @@ def forest(entries: Sequence[Entry]) -> Canvas:
 
 
 def measures_by_cell(cells: Sequence[Cell], measures: Sequence[str], about: Mapping[str, Measure]) -> Canvas:
-    """Means with their 95 % intervals over the numeric condition with most values; a line for each of the rest."""
-    axis_key, lines = _lines(cells)
+    """Means with their 95 % intervals over the numeric condition with most values; a line for each of the rest.
+
+    A cell that lacks this condition is drawn as a level, dashed. Where there is no such condition, or there are more
+    lines than a legend tells apart, each cell has a row of its own.
+    """
+    name = naming(cell.conditions for cell in cells)
+    axis_key, lines, levels = _lines(cells, name)
+    if axis_key is None or len(lines) + len(levels) > LEGEND_LINES:
+        return _rows_by_cell(cells, measures, about, name)
     canvas, axes = grid(len(measures), min(4, len(measures)), width=9.6, height=2.0)
     for axis, measure in zip(axes, measures, strict=True):
-        unit = about[measure].unit if measure in about else ""
-        axis.set_title(f"{measure} ({unit})" if unit else measure, loc="left")
+        axis.set_title(_headed(measure, about), loc="left")
         for rank, (label, points) in enumerate(lines.items()):
             colour = SERIES_COLOURS[rank % len(SERIES_COLOURS)]
             x = np.array([at for at, _ in points])
@@ -180,30 +209,72 @@ def measures_by_cell(cells: Sequence[Cell], measures: Sequence[str], about: Mapp
             nudged = x + 0.01 * rank * (np.ptp(x) or 1.0)
             axis.plot(nudged, middle, "-o", color=colour, ms=2.5, lw=0.8, label=label)
             axis.vlines(nudged, ends[:, 0], ends[:, 1], color=colour, lw=0.8)
+        for rank, (label, cell) in enumerate(levels.items(), start=len(lines)):
+            colour, at = SERIES_COLOURS[rank % len(SERIES_COLOURS)], mean(cell, measure)
+            axis.axhline(at.measured, ls="--", color=colour, lw=0.8, label=label)
+            if np.isfinite([at.low, at.high]).all():
+                axis.axhspan(at.low, at.high, color=colour, alpha=0.12, lw=0.0)
         if measure == "smoothness" and any((c.measures.get(measure, np.zeros(1)) > 0).any() for c in cells):
             axis.set_yscale("log")
-        if axis_key:
-            axis.set_xlabel(axis_key.rsplit(".", 1)[-1])
-    if 1 < len(lines) <= 12:
+        axis.set_xlabel(axis_key.rsplit(".", 1)[-1])
+    if len(lines) + len(levels) > 1:
         handles, labels = axes[0].get_legend_handles_labels()
-        canvas.legend(handles, labels, loc="outside upper center", ncols=min(4, len(lines)), frameon=False)
+        canvas.legend(handles, labels, loc="outside upper center", ncols=min(4, len(labels)), frameon=False)
     return canvas
 
 
-def _lines(cells: Sequence[Cell]) -> tuple[str | None, dict[str, list[tuple[float, Cell]]]]:
-    """The numeric condition for the x axis, and for each combination of the others its points along it."""
+def _rows_by_cell(
+    cells: Sequence[Cell],
+    measures: Sequence[str],
+    about: Mapping[str, Measure],
+    name: Callable[[Mapping[str, Any]], str],
+) -> Canvas:
+    """A row a cell, a column a measure: means with their 95 % intervals."""
+    import matplotlib as mpl
+    from matplotlib.figure import Figure as Blank
+
+    with mpl.rc_context(STYLE):
+        canvas = Blank(figsize=(9.6, 0.7 + 0.16 * max(2, len(cells))), layout="constrained")
+        axes = canvas.subplots(1, len(measures), squeeze=False, sharey=True).ravel().tolist()
+    rows = np.arange(len(cells))
+    for axis, measure in zip(axes, measures, strict=True):
+        axis.set_title(_headed(measure, about), loc="left", fontsize=6)
+        means = [mean(cell, measure) for cell in cells]
+        axis.plot([m.measured for m in means], rows, "o", color=SERIES_COLOURS[0], ms=2.5)
+        axis.hlines(rows, [m.low for m in means], [m.high for m in means], color=SERIES_COLOURS[0], lw=1.0)
+        axis.grid(axis="y", color="#eeeeee", lw=0.4)
+        axis.tick_params(labelsize=6)
+    axes[0].set_yticks(rows, [name(cell.conditions) for cell in cells], fontsize=6)
+    axes[0].set_ylim(len(cells) - 0.5, -0.5)
+    return canvas
+
+
+def _headed(measure: str, about: Mapping[str, Measure]) -> str:
+    unit = about[measure].unit if measure in about else ""
+    return f"{measure} ({unit})" if unit else measure
+
+
+def _lines(
+    cells: Sequence[Cell], name: Callable[[Mapping[str, Any]], str]
+) -> tuple[str | None, dict[str, list[tuple[float, Cell]]], dict[str, Cell]]:
+    """The numeric condition for the x axis, if one has several values; for each combination of the others its points
+    along it; and the cells that have no such condition."""
     values: dict[str, set[float]] = {}
     for cell in cells:
         for key, value in cell.conditions.items():
             if isinstance(value, int | float) and not isinstance(value, bool):
                 values.setdefault(key, set()).add(float(value))
-    longest: str | None = max(values, key=lambda k: len(values[k]), default=None)
+    several = {key: len(found) for key, found in values.items() if len(found) > 1}
+    longest: str | None = max(several, key=lambda k: several[k], default=None)
     lines: dict[str, list[tuple[float, Cell]]] = {}
-    for rank, cell in enumerate(cells):
-        others: Mapping[str, Any] = {k: v for k, v in cell.conditions.items() if k != longest}
-        at = float(cell.conditions[longest]) if longest is not None and longest in cell.conditions else float(rank)
-        lines.setdefault(named(others), []).append((at, cell))
-    return longest, {label: sorted(points, key=lambda point: point[0]) for label, points in lines.items()}
+    levels: dict[str, Cell] = {}
+    for cell in cells:
+        others = {key: value for key, value in cell.conditions.items() if key != longest}
+        if longest is not None and longest in cell.conditions:
+            lines.setdefault(name(others), []).append((float(cell.conditions[longest]), cell))
+        else:
+            levels[name(others)] = cell
+    return longest, {label: sorted(points, key=lambda point: point[0]) for label, points in lines.items()}, levels
 
 
 def grid(count: int, columns: int, width: float, height: float, share: bool = False) -> tuple[Canvas, list[Any]]:

@@ -4,62 +4,92 @@ from __future__ import annotations
 
 import json
 import math
-import re
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from flocking.errors import InputError
-from trials import design
+from flocking import users_files
+from flocking.errors import InputError, StorageError
+from flocking.found import is_path
+from trials import experiments
 from trials.batch.folders import newest
 from trials.batch.store import Store, opened
 from trials.evidence.claims import Entry
-from trials.evidence.summary import Cell, Mean, cells, mean, named
-from trials.reports.wording import VERDICTS, arms_of, columns, counted, misfits, shown_interval, shown_number, verdicts
+from trials.evidence.summary import Cell, Mean, cells, mean, naming
+from trials.experiments import run_in
+from trials.invoked import command
+from trials.reports.wording import (
+    VERDICTS,
+    arms_of,
+    columns,
+    counted,
+    misfits,
+    notes_of,
+    shown_interval,
+    shown_number,
+    verdicts,
+)
 from trials.simulations import measures_of
 
 STYLES = {True: "green", False: "red", None: "yellow"}
 
 
-def report(folder: Path | None = None, as_json: bool = False) -> str:
+def report(folder: Path | None = None, as_json: bool = False, experiment: str | None = None) -> str:
     """The table of a run to print, having written its report.html and figures; or its entries as a JSON list.
 
-    `folder` defaults to the newest run. Raises `InputError` if it holds no run that can be read, or if the
-    page cannot be written.
+    `folder` defaults to the newest run; `experiment`: the path of the file of a user's own experiment. Nothing that
+    the folder holds is executed. Where the page cannot be written, the table's last line says so. Raises `InputError`
+    if the folder holds no run that can be read.
     """
     store = opened(folder if folder is not None else newest())
     try:
-        module = _experiment(store.run["experiment"])
-        entries = module.claims(store) if hasattr(module, "claims") else None
-        found = cells(store, measures_of(store.trials))
-        if as_json:
-            told = [entry.as_json() for entry in entries or _of_cells(store.run["experiment"], found)]
-            return json.dumps(told, indent=2, ensure_ascii=False, allow_nan=False)
-        from trials.reports.report_page import write
-
-        try:
-            write(store, module, entries, found)
-        except OSError as error:
-            raise InputError(f"cannot write the report into {store.folder}: {error.strerror or error}") from error
-        return _on_terminal(store, module, entries, found)
+        with users_files.executed(False, others=False):
+            return _told(store, as_json, experiment)
     finally:
         store.close()
 
 
-def _experiment(name: str) -> Any:
+def _told(store: Store, as_json: bool, experiment: str | None) -> str:
+    module = _experiment(store.run["experiment"], experiment)
+    entries = run_in(module, "claims", store) if hasattr(module, "claims") else None
+    found = cells(store, measures_of(store.trials))
+    if as_json:
+        told = [entry.as_json() for entry in entries or _of_cells(store.run["experiment"], found)]
+        return json.dumps(told, indent=2, ensure_ascii=False, allow_nan=False)
+    from trials.reports.report_page import write
+
+    unwritten = ""
     try:
-        return design.load(name)
-    except InputError:  # of another version: its measures are still shown
+        write(store, module, entries, found)
+    except StorageError as error:
+        unwritten = f"\nthe report's page and figures are not written: {error}"
+    except OSError as error:
+        unwritten = f"\nthe report's page and figures are not written into {store.folder}: {error.strerror or error}"
+    return _on_terminal(store, module, entries, found) + unwritten
+
+
+def _experiment(name: str, path: str | None) -> Any:
+    """The module of the experiment of that name; None where there is no such: its measures are still shown.
+
+    A user's own is loaded where its path is given, never from what a run's folder says. Raises `InputError`.
+    """
+    if path is not None:
+        if experiments.name_of(path) != name:
+            raise InputError(f"--experiment {path}: the run is of {name!r}; expected the file of that experiment")
+        return experiments.load(path)
+    if is_path(name) or not experiments.known(name):  # a user's own, or of another version
         return None
+    return experiments.load(name)
 
 
 def _of_cells(experiment: str, found: Sequence[Cell]) -> list[Entry]:
     """For an experiment without published numbers: each measure of each cell, beside nothing."""
-    entries = []
+    entries, words = [], naming(cell.conditions for cell in found)
     for cell in found:
         for name in cell.measures:
             at: Mean = mean(cell, name)
-            quantity = f"{named(cell.conditions)}: {name}"
+            quantity = f"{words(cell.conditions)}: {name}"
             test = "mean over the repeats, 95 % t interval; nothing was published"
             entries.append(
                 Entry(
@@ -90,7 +120,7 @@ def _on_terminal(store: Store, module: Any, entries: Sequence[Entry] | None, fou
             for arm, some in arms_of(entries):
                 console.print(_claims_table(some, f"{store.run['experiment']}{f': {arm}' if arm else ''}"))
                 console.print(Text(f"{verdicts(some)}\n"))
-            for line in needed(entries):
+            for line in needed(entries, store.folder):
                 console.print(Text(line))
         else:  # nothing published, or none of its cells in this run: what was measured stands alone
             console.print(_cells_table(found, store.run["experiment"], columns(store, module)))
@@ -99,6 +129,10 @@ def _on_terminal(store: Store, module: Any, entries: Sequence[Entry] | None, fou
         console.print(Text(counted(store)))
         for line in misfits(store):
             console.print(Text(line, style="red"))
+        for note in notes_of(store, module):
+            console.print(Text(note))
+        if len(store.rows()) < len(store.trials):
+            console.print(Text(f"finish it with: {command('resume', str(store.folder))}"))
         lost = [row.index for row in store.rows() if row.status == "done" and not store.has_series(row.index)]
         if lost:
             console.print(
@@ -110,15 +144,13 @@ def _on_terminal(store: Store, module: Any, entries: Sequence[Entry] | None, fou
     return capture.get().rstrip("\n")
 
 
-def needed(entries: Sequence[Entry]) -> list[str]:
-    """Which supplementary experiments would decide more of the claims, one line each."""
-    commands: dict[str, int] = {}
-    for entry in entries:
-        for command in re.findall(r"herd run [a-z-]+", entry.test):
-            commands[command] = commands.get(command, 0) + 1
+def needed(entries: Sequence[Entry], folder: Path) -> list[str]:
+    """Which supplementary experiments would decide more of the claims of a run, one line each."""
+    counts = Counter(entry.words for entry in entries if entry.words)
+    again = command("report", str(folder))
     return [
-        f"{count} claim{'s' * (count != 1)} cannot be decided yet: {command}, then herd report"
-        for command, count in commands.items()
+        f"{count} claim{'s' * (count != 1)} cannot be decided yet: {command(*words)} and then {again}"
+        for words, count in counts.items()
     ]
 
 
@@ -157,7 +189,8 @@ def _cells_table(found: Sequence[Cell], title: str, columns: Mapping[str, str]) 
     table.add_column("n", justify="right")
     for name in names:
         table.add_column(columns[name], justify="right", no_wrap=False)
+    words = naming(cell.conditions for cell in found)
     for cell in found:
         means = [shown_number(mean(cell, name).measured) for name in names]
-        table.add_row(named(cell.conditions), str(cell.done), *means)
+        table.add_row(Text(words(cell.conditions)), str(cell.done), *means)
     return table

@@ -16,7 +16,8 @@ from trials.batch.folders import write_whole
 from trials.batch.store import Store
 from trials.batch.worker import one_line
 from trials.evidence.claims import Entry
-from trials.evidence.summary import Cell, mean, named
+from trials.evidence.summary import Cell, mean, naming
+from trials.experiments import run_in
 from trials.reports import figures as draw
 from trials.reports.figures import Figure
 from trials.reports.wording import (
@@ -25,6 +26,7 @@ from trials.reports.wording import (
     counted,
     key_measures,
     misfits,
+    notes_of,
     shown_interval,
     shown_number,
     verdicts,
@@ -59,7 +61,7 @@ def write(store: Store, module: Any, entries: Sequence[Entry] | None, found: Seq
     parts.append(_failures(store))
     text = resources.files("trials.reports").joinpath("report.html").read_text(encoding="utf-8")
     title = f"{store.run['experiment']}: {folder.name}"
-    page = Template(text).substitute(title=escape(title), about=_about(store), body="\n".join(parts))
+    page = Template(text).substitute(title=escape(title), about=_about(store, module), body="\n".join(parts))
     path = folder / PAGE
     write_whole(path, page.encode())
     return path
@@ -70,7 +72,7 @@ def _figures(store: Store, module: Any, found: Sequence[Cell]) -> list[Figure]:
     own: list[Figure] = []
     if hasattr(module, "figures"):
         try:
-            own = module.figures(store, store.folder)
+            own = run_in(module, "figures", store, store.folder)
         except (ValueError, OverflowError) as error:  # numbers that no axis takes: the tables still stand
             print(f"herd: the figures could not be drawn: {one_line(str(error))}", file=sys.stderr)
     names = [name for name in key_measures(store, module) if any(name in cell.measures for cell in found)]
@@ -132,7 +134,8 @@ def _measured(measured: float, low: float, high: float) -> str:
 def _measures(found: Sequence[Cell], known: Mapping[str, Measure]) -> str:
     """A row a measure, a column a cell: mean and interval."""
     names = dict.fromkeys(name for cell in found for name in cell.measures)
-    head = "".join(f"<th class='number'>{escape(named(cell.conditions))}<br>n {cell.done}</th>" for cell in found)
+    words = naming(cell.conditions for cell in found)
+    head = "".join(f"<th class='number'>{escape(words(cell.conditions))}<br>n {cell.done}</th>" for cell in found)
     rows = []
     for name in names:
         meant = known.get(name)
@@ -155,8 +158,9 @@ def _failures(store: Store) -> str:
     failed = [row for row in store.rows() if row.status != "done"]
     if not failed:
         return alien
+    words = naming(trial.conditions for trial in store.trials)
     rows = "".join(
-        f"<tr><td class='number'>{row.index}</td><td>{escape(named(row.conditions))}, repeat {row.repeat}</td>"
+        f"<tr><td class='number'>{row.index}</td><td>{escape(words(row.conditions))}, repeat {row.repeat}</td>"
         f"<td>{escape(row.reason)}</td></tr>"
         for row in failed
     )
@@ -165,8 +169,8 @@ def _failures(store: Store) -> str:
     )
 
 
-def _about(store: Store) -> str:
-    run, told = store.run, [counted(store)]
+def _about(store: Store, module: Any) -> str:
+    run, told = store.run, [counted(store), *notes_of(store, module)]
     told += [f"{key} {run[key]}" for key in TOLD if run.get(key) not in (None, "")]
     versions = run.get("versions")
     if isinstance(versions, Mapping):

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-import shlex
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 from trials.batch.store import Store
 from trials.evidence.claims import Entry
-from trials.evidence.summary import named
+from trials.evidence.summary import naming
+from trials.invoked import command
 from trials.simulations import headings_of, key_measures_of
 
 VERDICTS = {True: "holds", False: "does not hold", None: "undecided"}
@@ -54,8 +54,20 @@ def misfits(store: Store) -> list[str]:
     if len(lines) > MOST_MISFITS:
         lines[MOST_MISFITS:] = [f"so are {len(lines) - MOST_MISFITS} more"]
     if any(trial.index in store.misfits for trial in store.trials):
-        lines.append(f"run them again with: herd resume {shlex.quote(str(store.folder))}")
+        lines.append(f"run them again with: {command('resume', str(store.folder))}")
     return lines
+
+
+def notes_of(store: Store, experiment: Any) -> list[str]:
+    """What a reader of a run's numbers should know, one line each."""
+    found = [f"note: {note}" for note in store.run.get("notes") or () if isinstance(note, str)]
+    if experiment is None:
+        again = command("report", str(store.folder), "--experiment", "FILE.py")
+        name = store.run["experiment"]
+        found.append(
+            f"note: {name} is not among the experiments here: without its claims and figures; if yours: {again}"
+        )
+    return found
 
 
 def verdicts(entries: Sequence[Entry]) -> str:
@@ -67,8 +79,9 @@ def verdicts(entries: Sequence[Entry]) -> str:
 def arms_of(entries: Sequence[Entry]) -> list[tuple[str, list[Entry]]]:
     """The entries by arm, each arm with its words (empty where there is but one)."""
     found: dict[str, list[Entry]] = {}
+    words = naming(entry.arm for entry in entries)
     for entry in entries:
-        found.setdefault(named(entry.arm) if entry.arm else "", []).append(entry)
+        found.setdefault(words(entry.arm) if entry.arm else "", []).append(entry)
     return list(found.items())
 
 

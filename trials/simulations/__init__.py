@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+import dataclasses
 import importlib
 from collections.abc import Mapping, Sequence
-from functools import cache
+from functools import cache, lru_cache
 from pathlib import Path
 
 from flocking import found
 from flocking.errors import unknown_name
 from trials.simulations.contract import Simulation
 from trials.simulations.groups import check_given, check_groups
-from trials.types import Measure, Trial, TrialResult
+from trials.types import Group, Measure, Trial, TrialResult, compared
 
 
 def names() -> list[str]:
@@ -36,10 +37,48 @@ def named(name: str) -> Simulation:
 
 def check(trial: Trial) -> None:
     """Refuses, before anything is run, a trial whose names and numbers do not fit one another: `InputError`."""
+    kind = _Kind(trial)
+    try:
+        _check_kind(kind)
+    except TypeError:  # a value that cannot be compared: it is refused, or checked anew for each trial
+        _check(trial)
+    of(trial).check_start(trial)
+
+
+def _check(trial: Trial) -> None:
     own = of(trial)
     check_groups(trial, own.keys_of)
     check_given(trial, own.keys_of)
     own.check(trial)
+
+
+class _Kind:
+    """A trial as what it has in common with its repeats: one check is enough for all of them."""
+
+    def __init__(self, trial: Trial) -> None:
+        self.trial = trial
+        parts = [compared(getattr(trial, name)) for name in _OF_KIND]
+        parts += [tuple(compared(getattr(group, name)) for name in _OF_GROUP) for group in trial.groups]
+        self.key = tuple(parts)
+
+    def __hash__(self) -> int:
+        return hash(self.key)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Kind) and self.key == other.key
+
+
+_OF_KIND = tuple(
+    field.name
+    for field in dataclasses.fields(Trial)
+    if field.name not in ("experiment", "repeat", "index", "seed", "conditions", "groups")
+)
+_OF_GROUP = tuple(field.name for field in dataclasses.fields(Group))
+
+
+@lru_cache(maxsize=10_000)
+def _check_kind(kind: _Kind) -> None:
+    _check(kind.trial)
 
 
 def settled(trial: Trial) -> Trial:

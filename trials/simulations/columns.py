@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from flocking.types import Floats, Ints
 
 TIMELINE = "time"
+TAG_COLOUR = 0xFFFFFFFF
 MEMBER_COLOURS = np.array(
     [0xE69F00FF, 0x56B4E9FF, 0x2FBF8FFF, 0xF0E442FF, 0xF0703AFF, 0xD58BB8FF, 0x7D9BFFFF, 0xB8C4CEFF], np.uint32
 )
@@ -28,6 +29,13 @@ def series(recording: rr.RecordingStream, entity: str, name: str, colour: int, t
     """One line of a plot."""
     recording.log(entity, rr.SeriesLines(names=name, colors=packed([colour]), widths=[1.5]), static=True)
     recording.send_columns(entity, [times_column(times)], rr.Scalars.columns(scalars=values))
+
+
+def name_tag(name: str) -> rr.Points2D:
+    """A name at the origin of its entity: light, for the viewer writes on dark in the colour of the dot."""
+    return rr.Points2D(
+        [[0.0, 0.0]], radii=[0.0], colors=packed([TAG_COLOUR]), labels=[name], show_labels=True, draw_order=60.0
+    )
 
 
 def nanoseconds(times: Floats) -> Ints:

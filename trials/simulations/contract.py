@@ -25,7 +25,8 @@ class Simulation:
     """The sections of declared parameters: those of the trial, or those of a group. Values that are no fields of
     `Trial` or `Group` stand in their `setup`."""
     check: Callable[[Trial], None]
-    """Refuses, before anything is run, a trial whose names and numbers do not fit one another."""
+    """Refuses, before anything is run, a trial whose names and numbers do not fit one another. It may be asked of one
+    repeat alone: what differs from repeat to repeat is `check_start`'s."""
     settled: Callable[[Trial], Trial]
     """The trial with the values that its names stand for written into it, so that its run's folder records them."""
     run_trial: Callable[[Trial, str, bool, Path | None], TrialResult]
@@ -49,6 +50,8 @@ class Simulation:
     """(kind: `bodies`, `worlds` or `formations`) → by the name that `herd list` shows, an object with a docstring."""
     constants: Callable[[Trial], list[str]]
     """Modules whose constants `herd show` lists with a trial."""
+    check_start: Callable[[Trial], None] = lambda trial: None
+    """Refuses a trial whose start, which its repeat's random numbers make, does not fit its world."""
     has_scans: bool = False
     """Whether there are scans that a recording can keep."""
     world_xml: Callable[[Trial], str] | None = None

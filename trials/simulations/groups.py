@@ -50,7 +50,7 @@ def check_given(trial: Trial, keys_of: KeysOf) -> None:
                     for name, parameter in section.parameters.items()
                     if section.prefix or name not in fields
                 }
-        _check_all(kept.setup, in_setup, start, "entry of the setup")
+        _check_all(kept.setup, in_setup, start, "parameter")
         for prefix, field in places.items():
             own = [section.parameters for section in sections if section.prefix == prefix]
             known = {name: parameter for parameters in own for name, parameter in parameters.items()}

@@ -53,6 +53,11 @@ def plot(name: str, entities: list[str], y_range: Range | None = None) -> rrb.Ti
     )
 
 
+def legend() -> rrb.TextDocumentView:
+    """What is drawn, in words."""
+    return rrb.TextDocumentView(origin="/legend", name="Legend")
+
+
 def about(result: TrialResult, course: str, groups: Sequence[str]) -> str:
     """The trial in words (Markdown). `course`: its world, start and duration; `groups`: each in words."""
     trial = result.trial

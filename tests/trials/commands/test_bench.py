@@ -13,13 +13,14 @@ from numpy.testing import assert_allclose
 
 from flocking.errors import InputError
 from flocking.kinematic import plain
-from trials.commands import bench, bench_kinematic
+from trials.commands import bench, bench_figures, bench_kinematic
 
 
 def test_every_measure_gives_finite_figures_that_are_saved_and_compared(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(bench, "REPEATS", 1)
+    for part in (bench, bench_figures):
+        monkeypatch.setattr(part, "REPEATS", 1)
     monkeypatch.setattr(bench, "SECONDS", 0.5)
     monkeypatch.setattr(bench, "RECORDED_SECONDS", 1.0)
     monkeypatch.setattr(bench, "BATCH_SECONDS", 1.0)
@@ -48,9 +49,9 @@ def test_every_measure_gives_finite_figures_that_are_saved_and_compared(
 def test_what_one_process_does_is_timed_without_waiting_and_what_others_do_with_it(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    assert bench._seconds(lambda: time.sleep(0.2)) < 0.1
-    assert bench._wall(lambda: time.sleep(0.2)) >= 0.2
-    monkeypatch.setattr(bench, "_repeated", lambda *_: (1.0,))
+    assert bench_figures.processor_s(lambda: time.sleep(0.2)) < 0.1
+    assert bench_figures.wall_s(lambda: time.sleep(0.2)) >= 0.2
+    monkeypatch.setattr(bench, "repeated", lambda *_: (1.0,))
     timed = [figure.name for figure in (*bench.start_up(), *bench.whole_experiment())]
     assert all("wall time" in name for name in timed)
 

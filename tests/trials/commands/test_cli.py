@@ -10,15 +10,20 @@ import sqlite3
 import subprocess
 import sys
 import time
+from importlib import metadata
 from pathlib import Path
 
 import pytest
 
 from trials.batch import runfile
+from trials.commands import cli, options
+from trials.invoked import command, spelled
 
 SHORT = ["detection-case-study", "--repeats", "1", "--only", "1,4,7", "--set", "duration_s=1"]
 """Options: one trial of each detection, a second each."""
 
+COMMAND = f"{sys.executable} -m trials.commands.cli"
+"""As it was called, and so as it is printed."""
 LAW = '''
 import math
 from typing import NamedTuple
@@ -66,7 +71,7 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
     assert done.returncode == 0, done.stderr
     folder = Path("runs/detection-case-study/001")
     assert "3 trials: 3 done, 0 failed" in done.stdout
-    assert f"herd play {folder} --trial 1" in done.stdout
+    assert f"{COMMAND} play {folder} --trial 1" in done.stdout
     assert f"{folder}/report.html" in done.stdout
     assert "3 of 3 trials" in done.stderr
     return home / folder
@@ -193,7 +198,7 @@ def test_ctrl_c_keeps_what_has_ended_and_says_how_to_go_on(tmp_path: Path) -> No
     kept = len(table(tmp_path / "my run"))
     assert 0 < kept < 63
     assert err.endswith(
-        f"herd: stopped; {kept} of 63 trials are kept in my run; finish it with: herd resume 'my run'\n"
+        f"herd: stopped; {kept} of 63 trials are kept in my run; finish it with: {COMMAND} resume 'my run'\n"
     )
 
 
@@ -230,6 +235,55 @@ def test_help_imports_nothing_heavy(tmp_path: Path) -> None:
         text=True,
     )
     assert done.stdout.splitlines()[-1] == "[] 0"
+
+
+def test_the_version_is_told(tmp_path: Path) -> None:
+    done = herd("--version", cwd=tmp_path)
+    assert done.returncode == 0
+    assert done.stdout.startswith(f"herd {metadata.version('create-herd')} (Python 3.")
+
+
+def test_ctrl_c_during_a_report_says_what_is_missing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def interrupted(*_: object) -> str:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("trials.reports.report.report", interrupted)
+    monkeypatch.setattr("os.environ", dict(os.environ))
+    monkeypatch.setattr(sys, "argv", ["herd", "report", str(tmp_path / "my run")])
+    assert cli.main() == 130
+    again = command("report", str(tmp_path / "my run"))
+    told = f"herd: stopped; the report of {tmp_path / 'my run'} is not complete; make it with: {again}\n"
+    assert capsys.readouterr().err.endswith(told)
+
+
+def test_a_printed_command_is_found_where_it_is_typed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """By its name where the shell finds this very program, else by its path, or as a module of this Python."""
+    program = tmp_path / "my tools" / "herd"
+    program.parent.mkdir()
+    program.touch(mode=0o755)
+    monkeypatch.setattr(sys, "argv", [str(program)])
+    monkeypatch.setenv("PATH", str(program.parent))
+    assert command("play", "my run") == "herd play 'my run'"
+    monkeypatch.setenv("PATH", str(tmp_path))
+    assert command("play") == f"'{program}' play"
+    other = tmp_path / "herd"
+    other.touch(mode=0o755)  # another program of that name comes first
+    assert command("play") == f"'{program}' play"
+    monkeypatch.setattr(sys, "argv", ["/anywhere/trials/commands/cli.py"])
+    assert command("play") == f"{sys.executable} -m trials.commands.cli play"
+
+
+@pytest.mark.parametrize("value", [True, 3, 0.25, "snn", "nearest & all", "distance-based(0, 3)", "true", 'a "b" c'])
+def test_a_printed_value_is_read_as_it_was(value: object) -> None:
+    assert options.settings([f"herd.x={spelled(value)}"]) == {"herd.x": value}
+    assert options.sweeps([f"herd.x={spelled(value)},{spelled('vicsek')}"]) == {"herd.x": [value, "vicsek"]}
+
+
+def test_a_sweep_over_selections_needs_no_quotes() -> None:
+    swept = options.sweeps(["herd.selection=distance-based(0, 3),all,field-of-view(240) & nearest"])
+    assert swept == {"herd.selection": ["distance-based(0, 3)", "all", "field-of-view(240) & nearest"]}
 
 
 def test_a_reader_that_has_had_enough_is_no_error(tmp_path: Path) -> None:

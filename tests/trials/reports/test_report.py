@@ -6,6 +6,7 @@ import dataclasses
 import json
 import re
 import sys
+import threading
 from html.parser import HTMLParser
 from pathlib import Path
 from types import SimpleNamespace
@@ -24,7 +25,9 @@ from trials.batch import runfile, series, store
 from trials.batch.store import Row, Store
 from trials.evidence.claims import published
 from trials.evidence.runs import UndecidedError
-from trials.evidence.summary import cells, mean, named
+from trials.evidence.summary import cells, mean, named, naming
+from trials.invoked import command
+from trials.reports import figures as draw
 from trials.reports import report
 from trials.reports.wording import shown_interval, shown_number
 from trials.simulations.robots.measures import ABOUT
@@ -73,7 +76,7 @@ def _experiment(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.chdir(tmp_path)
     module = SimpleNamespace(claims=claims.claims, figures=figures.figures)
     known: dict[str, Any] = {"detection-case-study": module}
-    monkeypatch.setattr(report, "_experiment", known.get)
+    monkeypatch.setattr(report, "_experiment", lambda name, path: known.get(name))
 
 
 class _Page(HTMLParser):
@@ -158,6 +161,91 @@ def test_an_unfinished_run_is_reported_as_such(tmp_path: Path) -> None:
     assert "0 hold, 0 do not hold, 13 undecided" in told
 
 
+def test_the_commands_told_are_of_the_run_that_is_reported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "300")
+    place = tmp_path / "my runs" / "001"
+    place.parent.mkdir()
+    _kept(made_up_run(_law), place, "detection-case-study", missing=1).close()
+    told = report.report(place)
+    again = command("report", str(place))
+    assert f"cannot be decided yet: {command('run', 'detection-ideal')} and then {again}" in told
+    assert f"finish it with: {command('resume', str(place))}" in told
+    assert "'" in again  # the space in its path is quoted
+
+
+def test_a_run_of_a_users_own_experiment_says_how_to_have_its_claims(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "300")
+    _kept(made_up_run(_law, repeats=3), tmp_path / "run", "my-own").close()
+    assert command("report", str(tmp_path / "run"), "--experiment", "FILE.py") in report.report(tmp_path / "run")
+
+
+def test_an_arm_has_figures_of_its_own_named_by_what_was_varied(tmp_path: Path) -> None:
+    run = made_up_run(_law, repeats=2, arms=[{"herd.law": "/far/away/mine.py"}, {"herd.law": "snn"}])
+    run.finished = []
+    made = figures.figures(run, tmp_path)
+    assert len(made) == 6
+    assert {figure.title for figure in made if "Trajectories" in figure.title} == {
+        "Trajectories: mine.py",
+        "Trajectories: snn",
+    }
+    assert len({figure.path for figure in made}) == 6
+    assert all(figure.path.is_file() for figure in made)
+
+
+def test_two_reports_at_once_see_whole_figures_alone(tmp_path: Path) -> None:
+    """While one process writes a figure, another reads the one before, or the new one, but no part of it."""
+
+    def drawn() -> Path:
+        canvas = draw.measures_by_cell(found, ["mmd"], ABOUT)
+        return draw.save(canvas, tmp_path, "measures", "", "").path
+
+    found, seen = cells(made_up_run(_law, repeats=3), ABOUT), set[bytes]()
+    first = drawn()
+    whole, stop = first.read_bytes(), threading.Event()
+
+    def read() -> None:
+        while not stop.is_set():
+            seen.add(first.read_bytes())
+
+    reader = threading.Thread(target=read)
+    reader.start()
+    for _ in range(5):
+        drawn()
+    stop.set()
+    reader.join()
+    assert seen == {whole}
+
+
+def test_measures_are_drawn_over_what_was_varied() -> None:
+    """A condition that some cells lack is the axis of the others; those are levels, and nothing is put at its rank."""
+    run = made_up_run(_law, repeats=3, pipelines=("member-based",))
+    other = made_up_run(_law, repeats=3, pipelines=("sensor-based",), exclusions=(0.5,))
+    other.trials = [dataclasses.replace(t, conditions={"herd.law": "/far/mine.py"}) for t in other.trials]
+    other.finished = [dataclasses.replace(row, conditions={"herd.law": "/far/mine.py"}) for row in other.finished]
+    found = [*cells(run, ABOUT), *cells(other, ABOUT)]
+    (axis,) = draw.measures_by_cell(found, ["mmd"], ABOUT).axes
+    assert axis.get_xlabel() == "exclusion_m"
+    line, level = axis.get_lines()
+    assert line.get_xdata().tolist() == pytest.approx([0.0, 0.5, 1.0])
+    assert level.get_ydata() == pytest.approx([mean(found[-1], "mmd").measured] * 2)
+    assert axis.get_legend_handles_labels()[1] == ["member-based", "mine.py"]
+    (axis,) = draw.measures_by_cell([found[0], found[-1]], ["mmd"], ABOUT).axes  # nothing numeric has two values
+    assert [label.get_text() for label in axis.get_yticklabels()] == ["member-based, exclusion_m 0", "mine.py"]
+
+
+def test_conditions_are_named_by_as_much_as_tells_them_apart() -> None:
+    both = {"herd.speed_m_s": 0.2, "pursuer.speed_m_s": 0.3, "herd.law": "snn", "pursuer.law": "vicsek"}
+    assert named(both) == "herd.speed_m_s 0.2, pursuer.speed_m_s 0.3, herd.law snn, pursuer.law vicsek"
+    words = naming([both, {"synchronous": True}])
+    assert words({"pursuer.speed_m_s": 0.3}) == "pursuer.speed_m_s 0.3"  # among all conditions of the run
+    assert words({"synchronous": True}) == "synchronous true"
+    laws = [{"herd.law": path} for path in ("/a/mine.py", "/b/mine.py", "/b/yours.py+", "snn")]
+    assert [naming(laws)(each) for each in laws] == ["a/mine.py", "b/mine.py", "yours.py+", "snn"]
+    assert named({"herd.law": "/a/mine.py"}) == "mine.py"
+
+
 def test_a_folder_without_a_run_is_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError):
         report.report(tmp_path)
@@ -166,8 +254,16 @@ def test_a_folder_without_a_run_is_refused(tmp_path: Path) -> None:
 def test_supplements_must_have_the_settings_of_the_run(tmp_path: Path) -> None:
     main = made_up_run(_law)
     main.folder = tmp_path / "detection-case-study" / "001"
-    with pytest.raises(UndecidedError, match="herd run detection-ideal"):
-        supplement(main, "detection-ideal", {}, ())
+    with pytest.raises(UndecidedError, match="needs trials of detection-ideal") as told:
+        supplement(main, "detection-ideal", {}, ("herd.sensors",))
+    assert told.value.words == ("run", "detection-ideal")
+    main.trials = [
+        dataclasses.replace(t, groups=tuple(dataclasses.replace(g, count=4) for g in t.groups)) for t in main.trials
+    ]
+    with pytest.raises(UndecidedError) as told:  # with the settings of the run, by which its claims are judged
+        supplement(main, "detection-ideal", {}, ("herd.sensors",))
+    assert told.value.words == ("run", "detection-ideal", "--set", "herd.count=4")
+    main = dataclasses.replace(made_up_run(_law), folder=main.folder)
     ideal = made_up_run(_law, pipelines=("perfect", "member-based"), repeats=3, experiment="detection-ideal")
     ideal.trials = [
         dataclasses.replace(t, groups=tuple(dataclasses.replace(g, setup={"sensors": "ideal"}) for g in t.groups))
@@ -210,7 +306,7 @@ def test_numbers_are_shown_in_three_digits() -> None:
 def test_a_published_number_is_a_number_in_json_and_stands_in_words_before_the_reader(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(report, "_experiment", design.load)
+    monkeypatch.setattr(report, "_experiment", lambda name, path: design.load(name))
     monkeypatch.setenv("COLUMNS", "160")
     run = finished(design.plan("lch-table-4-1", repeats=3).trials, lambda trial: {"mmd_end": 0.05}, seed=1, spread=0.01)
     _kept(run, tmp_path / "run", "lch-table-4-1").close()

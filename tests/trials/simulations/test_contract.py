@@ -223,10 +223,10 @@ class TestEvery:
 
     def test_a_setup_that_is_not_declared_is_refused(self, name: str) -> None:
         trial = one_of(name)
-        with pytest.raises(InputError, match="unknown entry of the setup 'colour'"):
+        with pytest.raises(InputError, match="unknown parameter 'colour'"):
             simulations.check(with_setup(trial, {"colour": "red"}))
         for misplaced in ("world", "formation"):
-            with pytest.raises(InputError, match=f"unknown entry of the setup '{misplaced}'"):
+            with pytest.raises(InputError, match=f"unknown parameter '{misplaced}'"):
                 simulations.check(with_setup(trial, {misplaced: "corridor"}))
 
     @pytest.mark.parametrize(
@@ -247,7 +247,7 @@ class TestEvery:
     @pytest.mark.parametrize(
         ("changes", "words"),
         [
-            ({"setup": {"law.bogus": 1.0}}, r"unknown entry of the setup '\w+\.law\.bogus'"),
+            ({"setup": {"law.bogus": 1.0}}, r"unknown parameter '\w+\.law\.bogus'"),
             ({"law_parameters": {"bogus": 1.0}}, r"unknown parameter '\w+\.law\.bogus'"),
             ({"pipeline_parameters": {"bogus": 1.0}}, r"unknown parameter '\w+\.pipeline\.bogus'"),
             ({"spread": {"bogus": 0.1}}, r"unknown parameter '\w+\.spread\.bogus'"),
@@ -263,7 +263,7 @@ class TestEvery:
         trial = one_of(name)
         key = next(row.key for row in keys.rows(trial) if ".law." in row.key).partition(".")[2]
         group = with_setup(trial.groups[0], {key: 1.0})
-        with pytest.raises(InputError, match="unknown entry of the setup"):
+        with pytest.raises(InputError, match="unknown parameter"):
             simulations.check(dataclasses.replace(trial, groups=(group,)))
 
     def test_its_moment_gives_what_it_declares(self, name: str) -> None:

@@ -6,6 +6,7 @@ file).
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Sequence
 from functools import cache
@@ -15,8 +16,8 @@ from flocking import lawentry
 from flocking import obstacle_selection as selection_of_obstacles
 from flocking.errors import InputError, unknown_name
 from flocking.kinematic.bands import MOST_M
-from flocking.parameters import Parameter, filled
-from flocking.taxonomy import Herd
+from flocking.parameters import Parameter, declared, filled
+from flocking.taxonomy import USUAL_HERD, Herd
 from trials.rows import below
 from trials.simulations.kinematic import lattice_starts, links
 from trials.types import Group, Trial, Value
@@ -37,9 +38,16 @@ OWN_SPACE = OWN
 """Names the world of the law's own herd."""
 SPACES = (OWN_SPACE, "unbounded", "bounded", "periodic", "obstacles")
 FORMATIONS = ("uniform", "single-group", "split-group", "triangular-lattice", "square-lattice", *lattice_starts.NAMES)
+AS_LAW = "as-law"
+OF_AVOIDANCE = ("look_ahead_m", "margin_m", "virtual_range_m")
+"""What is at work only where obstacles are avoided, or made virtual members."""
 LINKS = "links."
 """Prefix of the keys of the links that a trial measures."""
 _LAW = "the law's own herd: HERD in its file"
+_NO_HERD = (
+    f"a choice, for the law's file has no HERD: {USUAL_HERD.spacing_m:g} m, {USUAL_HERD.speed_m_s:g} m/s, "
+    f"{USUAL_HERD.dt_s:g} s"
+)
 
 
 class TrialFields(NamedTuple):
@@ -118,9 +126,9 @@ class GroupFields(NamedTuple):
         Parameter(
             "",
             "Fine 2015, figure 3.3: left to the law, avoided by the shared rule, or made virtual members",
-            choices=("as-law", "avoid", "virtual-members"),
+            choices=(AS_LAW, "avoid", "virtual-members"),
         ),
-    ] = "as-law"
+    ] = AS_LAW
     obstacle_selection: Annotated[
         str, Parameter("", "Fine 2015, figure 3.3, which leaves it open", reads=selection_of_obstacles.parse)
     ] = "all"
@@ -283,9 +291,20 @@ def own_herd(group: Group) -> Herd:
     return _declared(group.law, group.law_source)
 
 
+def words_of(parameters: type, group: Group) -> dict[str, Parameter]:
+    """By name, the sources to show for the values that a group's law leaves open; none where its file has a HERD."""
+    if hasattr(lawentry.module_of(group.law, group.law_source), "HERD"):
+        return {}
+    return {
+        name: dataclasses.replace(parameter.about, source=parameter.about.source.replace(_LAW, _NO_HERD))
+        for name, parameter in declared(parameters).items()
+        if _LAW in parameter.about.source
+    }
+
+
 @cache
 def _declared(law: str, source: str) -> Herd:
-    found: Herd = getattr(lawentry.module_of(law, source), "HERD", Herd(1.0, 1.0, 0.1))
+    found: Herd = getattr(lawentry.module_of(law, source), "HERD", USUAL_HERD)
     return found
 
 

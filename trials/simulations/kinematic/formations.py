@@ -48,6 +48,20 @@ def poses(formation: str, parameters: tuple[float, ...], count: int, size_m: flo
     return np.column_stack([places, headings])
 
 
+def widest_m(formation: str, parameters: tuple[float, ...], count: int) -> float:
+    """The most that a formation can be wide or long about its world's centre, m: twice the farthest coordinate.
+
+    Not of `uniform`, which fills its world, whatever that is.
+    """
+    named = parameters._asdict()  # type: ignore[attr-defined]
+    spacing = float(named["spacing_m"])
+    if formation == "single-group":
+        return spacing * math.sqrt(count)
+    if formation == "split-group":
+        return float(named["gap_m"]) + spacing * math.sqrt(max(count - count // 2, 1))
+    return 2.0 * (float(np.abs(lattice(count, spacing, formation == "triangular-lattice")).max()) + named["jitter_m"])
+
+
 def lattice(count: int, spacing_m: float, triangular: bool) -> Floats:
     """(count, 2) points of a lattice about the origin, row by row, as square as the count permits."""
     height = math.sqrt(3.0) / 2.0 if triangular else 1.0

@@ -60,7 +60,10 @@ def assemble(trial: Trial) -> Herd:
 
 
 def check(trial: Trial) -> None:
-    """Refuses a trial whose names and numbers do not fit one another, without compiling anything: `InputError`."""
+    """Refuses a trial whose names and numbers do not fit one another, without compiling anything: `InputError`.
+
+    Its start is `check_start`'s.
+    """
     fields.world_parameters(trial)
     fields.formation_parameters(trial)
     given = fields.of_trial(trial)
@@ -88,7 +91,22 @@ def check(trial: Trial) -> None:
         if _check_law(group) & {Step.GRAPH, Step.VORONOI}:
             check_linked(count)
         spread.check(trial, number, group.law_parameters)
-    _start(trial, _space(trial))
+    fields.formation_of(trial)
+    space, _ = fields.space_of(trial), fields.world_of(trial)
+    if trial.formation in lattice_starts.NAMES:
+        lattice_starts.check(space)
+
+
+def check_start(trial: Trial) -> None:
+    """Refuses a trial whose members do not all start within its world: `InputError`.
+
+    Nothing is drawn where they do whatever is drawn.
+    """
+    if trial.formation in ("uniform", *lattice_starts.NAMES) or fields.space_of(trial) == "unbounded":
+        return
+    count = sum(group.count for group in trial.groups)
+    if formations.widest_m(trial.formation, fields.formation_of(trial), count) > fields.world_of(trial).size_m:
+        _start(trial, _space(trial))
 
 
 def _check_law(group: Group) -> set[Step]:

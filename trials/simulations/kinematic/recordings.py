@@ -8,7 +8,7 @@ Entities (times on the timeline `time`, s; lengths in metres, world frame):
     world/headings          an arrow from each along its heading
     world/trails            the way of each since the moment before (the layout shows the last of it)
     measures/NAME           series for the plots
-    about                   the trial in words
+    about, legend           the trial in words, and what is drawn
 """
 
 from __future__ import annotations
@@ -60,6 +60,7 @@ def _world(recording: rr.RecordingStream, result: TrialResult) -> None:
         style = rr.LineStrips2D(lines, colors=packed([WALL_COLOUR]), radii=[0.1 * screen.size_of(result)])
         recording.log("world/walls", style, static=True)
     recording.log("about", rr.TextDocument(screen.about(result), media_type="text/markdown"), static=True)
+    recording.log("legend", rr.TextDocument(screen.legend(result), media_type="text/markdown"), static=True)
 
 
 def _members(recording: rr.RecordingStream, result: TrialResult, shown: Ints) -> None:

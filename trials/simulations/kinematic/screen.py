@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from trials.simulations import views
 from trials.simulations.columns import MEMBER_COLOURS
 from trials.simulations.kinematic import fields
+from trials.simulations.tracks import period_of
 from trials.types import TrialResult
 
 TRAIL_SHARE = 0.1
@@ -36,6 +37,24 @@ def colours(result: TrialResult) -> NDArray[np.uint32]:
     return MEMBER_COLOURS[np.array(kinds) % len(MEMBER_COLOURS)]
 
 
+def legend(result: TrialResult) -> str:
+    """What is drawn, in Markdown."""
+    if len(result.robot_names) <= len(MEMBER_COLOURS):
+        colours = "each in its own colour"
+    else:
+        colours = "in one colour for each group, and for those of it that know the goal"
+    sized = "to scale" if (result.radii > 0.0).any() else "points without a size"
+    lines = [
+        f"- **dot**: a member, {sized}, {colours}; **white arrow**: its heading",
+        "- **line behind it**: its way in the last tenth of the trial",
+    ]
+    if len(result.walls_w):
+        lines.append("- **grey line**: a wall")
+    if period_of(result) is not None:
+        lines.append("- **grey square**: the border of the world, whose opposite sides are one")
+    return "\n".join(lines)
+
+
 def blueprint(result: TrialResult) -> rrb.Blueprint:
     """The plane on the left, plots and words on the right."""
     positions = result.poses_w[..., :2].reshape(-1, 2)
@@ -54,7 +73,8 @@ def blueprint(result: TrialResult) -> rrb.Blueprint:
             rrb.TextDocumentView(origin="/about", name="About"),
         ),
     ]
-    return views.layout(rrb.Horizontal(plane, rrb.Vertical(*plots), column_shares=[2, 1]))
+    left = rrb.Vertical(plane, views.legend(), row_shares=[7, 1])
+    return views.layout(rrb.Horizontal(left, rrb.Vertical(*plots), column_shares=[2, 1]))
 
 
 def about(result: TrialResult) -> str:

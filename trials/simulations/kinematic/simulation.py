@@ -73,4 +73,5 @@ SIMULATION = Simulation(
     at_step=at_step,
     listed=listed,
     constants=constants,
+    check_start=herd.check_start,
 )

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import lru_cache
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from flocking import found
 from flocking.errors import InputError
 from flocking.parameters import filled
 from flocking.types import Floats
@@ -17,14 +20,15 @@ from trials.simulations.robots.fields import GroupFields, TrialFields, of_trial,
 from trials.simulations.robots.log import SAMPLE_S
 from trials.simulations.robots.resolved import Resolved
 from trials.simulations.robots.starts import check_starts, starting_poses
-from trials.types import Trial
+from trials.types import Trial, compared
+from worlds.walls import Walls
 
 
 def check(trial: Trial) -> None:
     """Refuses a trial whose names and numbers do not fit one another: `InputError`.
 
-    Clocks must be whole numbers of physics steps; no robot may be told to drive faster than its body can; all must
-    start apart and within the walls; and no robot may be able to reach the end of its world.
+    Clocks must be whole numbers of physics steps; no robot may be told to drive faster than its body can. Its start is
+    `check_start`'s.
     """
     given = of_trial(trial)
     if not trial.groups:
@@ -43,13 +47,48 @@ def check(trial: Trial) -> None:
         information.check(its)
         spread.check(trial, number, its.law_parameters._asdict())
     world = world_of(trial)
+    filled(world.Parameters, trial.world_parameters, prefix="world.")
+
+
+def check_start(trial: Trial) -> None:
+    """Refuses a trial whose robots do not all start apart and within the walls, or can reach the end of their world:
+    `InputError`.
+
+    Trials that differ in their laws and detections alone start alike.
+    """
+    of_groups = tuple((group.name, group.count, compared(group.setup)) for group in trial.groups)
+    names = ("seed", "repeat", "world", "world_source", "world_parameters", "formation", "setup")
+    _check_start(_Start((*(compared(getattr(trial, name)) for name in names), of_groups), trial))
+
+
+class _Start(NamedTuple):
+    """A trial by what its start follows from."""
+
+    key: tuple[Any, ...]
+    trial: Trial
+
+    def __hash__(self) -> int:
+        return hash(self.key)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Start) and self.key == other.key
+
+
+@lru_cache(maxsize=10_000)
+def _check_start(start: _Start) -> None:
+    trial = start.trial
+    given, world = of_trial(trial), world_of(trial)
+    groups = [Resolved(group) for group in trial.groups]
     walls = filled(world.Parameters, trial.world_parameters, prefix="world.")
     radii = np.repeat([its.body.radius for its in groups], [its.given.count for its in groups])
     poses_w = starting_poses(trial)
     widest, fastest = float(radii.max()), max(its.given.speed_m_s for its in groups)
-    _check_reach(trial, given, poses_w, float(world.free_length(walls, widest)), fastest, widest)
+    fenced, free = found.run(str(world.__file__), lambda: (world.walls(walls), float(world.free_length(walls, widest))))
+    if not isinstance(fenced, Walls):
+        raise InputError(f"{world.__file__}: walls(...) returned {type(fenced).__name__}; expected worlds.walls.Walls")
+    _check_reach(trial, given, poses_w, free, fastest, widest)
     names = [f"{group.name}-{k + 1}" for group in trial.groups for k in range(group.count)]
-    check_starts(names, poses_w, radii, world.walls(walls).segments)
+    check_starts(names, poses_w, radii, fenced.segments)
 
 
 def _check_sensors(its: Resolved, groups: Sequence[Resolved]) -> None:

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, NamedTuple
 
 from flocking import found, lawentry, obstacle_selection
-from flocking.errors import unknown_name
+from flocking.errors import InputError, unknown_name
 from flocking.parameters import Parameter, filled
 from robots import body as bodies
 from sensing.laser import hokuyo
@@ -68,7 +68,9 @@ class TrialFields(NamedTuple):
     ] = 0.01
     world: Annotated[
         str,
-        Parameter("", "Fine 2015, section 2.3.1: an obstacle-free corridor", published=True, named=world_names),
+        Parameter(
+            "", "Fine 2015, section 2.3.1: an obstacle-free corridor", published=True, named=world_names, paths=True
+        ),
     ] = "corridor"
     formation: Annotated[str, Parameter("", "Fine 2015, figure 2.5, drawn without numbers", named=formation_names)] = (
         "single-group"
@@ -79,7 +81,12 @@ class GroupFields(NamedTuple):
     """What a group of robots has beside the parameters of its law, pipeline and sensors."""
 
     count: Annotated[int, Parameter("robots", "Fine 2015, section 2.3.1", published=True, low=1, high=1000)] = 6  # type: ignore[assignment]
-    body: Annotated[str, Parameter("", "Fine 2015, section 2.3", published=True, named=body_names)] = "create"
+    body: Annotated[str, Parameter("", "Fine 2015, section 2.3", published=True, named=body_names, paths=True)] = (
+        "create"
+    )
+    body_files: Annotated[
+        str, Parameter("", "a hash of the files of a body of the user's own, which stay the same while a run lasts")
+    ] = ""
     sensors: Annotated[str, Parameter("", "noise of the laser's data sheet", choices=tuple(hokuyo.SETTINGS))] = (
         "datasheet"
     )
@@ -225,7 +232,16 @@ def of_group(group: Group) -> GroupFields:
 
 
 def world_of(trial: Trial) -> Any:
-    """The module of a trial's world. Raises `InputError`."""
-    if trial.world.replace("_", "-") not in world_names():
-        raise unknown_name("world", trial.world, world_names())
-    return found.load(WORLDS, trial.world, "world")
+    """The module of a trial's world. Raises `InputError`, also for a user's own file that holds none."""
+    if not found.is_path(trial.world):
+        if trial.world.replace("_", "-") not in world_names():
+            raise unknown_name("world", trial.world, world_names())
+        return found.load(WORLDS, trial.world, "world")
+    module = found.load(WORLDS, trial.world, "world", trial.world_source)
+    for wanted in ("Parameters", "walls", "free_length"):
+        if not callable(getattr(module, wanted, None)):
+            raise InputError(
+                f"world file {trial.world!r} lacks {wanted}; expected Parameters, walls(parameters) and "
+                "free_length(parameters, radius_m), see worlds/corridor.py"
+            )
+    return module

@@ -19,7 +19,7 @@ from sensing import association
 from sensing.laser import hokuyo
 from sensing.types import PipelineState, WorldTruth
 from trials.simulations import spread
-from trials.simulations.robots.checks import check, clock
+from trials.simulations.robots.checks import check, check_start, clock
 from trials.simulations.robots.fields import of_trial
 from trials.simulations.robots.knowledge import Knowledge
 from trials.simulations.robots.obstacle_stage import ObstacleStage
@@ -67,11 +67,12 @@ def assemble(trial: Trial, record: bool) -> Herd:
         raise InputError("the trial has no robots: expected a count of at least 1 in some group")
     names = [f"{trial.groups[g].name}-{k + 1}" for g, k in numbers]
     check(trial)
+    check_start(trial)
     minds = [_mind(group) for group in trial.groups]
     timestep = of_trial(trial).timestep_s
     poses_w = starting_poses(trial)
     bodies = [minds[g].its.given.body for g, _ in numbers]
-    world = build(trial.world, trial.world_parameters, bodies, names, poses_w, timestep)
+    world = build(trial.world, trial.world_parameters, bodies, names, poses_w, timestep, trial.world_source)
     reads = [frozenset(minds[g].its.pipeline.READS) for g, _ in numbers]
     lasers = None
     carried = all("laser" in body.mounts for body in world.bodies)

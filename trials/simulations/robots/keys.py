@@ -4,17 +4,19 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
-from flocking import avoidance
+from flocking import avoidance, found
 from flocking.parameters import Parameter, declared
+from robots.body import digest
 from sensing import association
 from sensing.laser import hokuyo
 from trials.rows import Section, below, section
 from trials.simulations import spread
 from trials.simulations.robots import fields
 from trials.simulations.robots.resolved import Resolved
-from trials.types import Group, Trial
+from trials.types import Group, Trial, with_setup
 from worlds import formations
 
 FOR_CREATES = Parameter("", "for Creates: the law's file")
@@ -33,23 +35,41 @@ def keys_of(trial: Trial, group: Group | None = None) -> list[Section]:
     law, pipeline, creates = its.law.Parameters, its.pipeline.Parameters, its.for_creates
     words = {name: FOR_CREATES for name, value in creates.items() if group.law_parameters.get(name, value) == value}
     return [
-        section("", fields.GroupFields, lambda: its.given._asdict()),
+        section("", fields.GroupFields, lambda: _of_group(its)),
         *_own_formation(group, its.given.formation),
         Section("law.", declared(law), lambda: _all(law, {**creates, **group.law_parameters}), words),
         spread.section_of(group),
         section("pipeline.", pipeline, lambda: _all(pipeline, group.pipeline_parameters)),
-        section(fields.SENSORS, hokuyo.Parameters, lambda: its.laser._asdict()),
+        Section(fields.SENSORS, declared(hokuyo.Parameters), lambda: its.laser._asdict(), _of_setting(its)),
         section(fields.ASSOCIATION, association.Parameters, lambda: _shown(its.association, its.wanted.associate)),
         section(fields.AVOIDANCE, avoidance.Parameters, lambda: _shown(its.avoidance, its.avoids)),
     ]
 
 
+def _of_group(its: Resolved) -> dict[str, Any]:
+    """The values of a group; the files of its body only where it is a user's own."""
+    values = its.given._asdict()
+    return values if values["body_files"] else {key: value for key, value in values.items() if key != "body_files"}
+
+
+def _of_setting(its: Resolved) -> dict[str, Parameter]:
+    """Sources of the laser's values that the named setting puts in place of the defaults."""
+    named, usual = hokuyo.SETTINGS[its.given.sensors], hokuyo.Parameters()
+    words = Parameter("", f"the laser's setting {its.given.sensors!r}")
+    own = below(its.group.setup, fields.SENSORS)
+    return {name: words for name in named._fields if name not in own and getattr(named, name) != getattr(usual, name)}
+
+
 def settled(trial: Trial) -> Trial:
-    """`trial` with the parameters that its laws have on Creates written into it."""
-    groups = [
-        dataclasses.replace(group, law_parameters={**Resolved(group).for_creates, **group.law_parameters})
-        for group in trial.groups
-    ]
+    """`trial` with its laws' parameters on Creates, and the state of a user's own bodies, written into it."""
+    groups = []
+    for group in trial.groups:
+        its = Resolved(group)
+        group = dataclasses.replace(group, law_parameters={**its.for_creates, **group.law_parameters})
+        if found.is_path(own := str(group.setup.get("body", ""))):
+            body = str(Path(own).resolve())
+            group = with_setup(group, {"body": body, "body_files": digest(body)})
+        groups.append(group)
     return dataclasses.replace(trial, groups=tuple(groups))
 
 

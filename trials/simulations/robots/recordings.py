@@ -4,7 +4,7 @@ Entities (times on the timeline `time`, s; lengths in metres, world frame):
 
     world                       static transform: the viewer's plane has y downwards, the world upwards
     world/walls, world/paths    the walls; the whole path of each robot
-    world/robots/ROBOT          its pose over time; below it body, heading and pressed bumpers, which move with it
+    world/robots/ROBOT          its pose over time; below it body, name, heading and pressed bumpers, which move with it
     world/trails                the path in pieces (the layout shows those of the last seconds)
     world/scans/ROBOT           returns, coloured by intensity (grey where it was not given)
     world/members/ROBOT         the inputs to the law; false positives in a colour of their own
@@ -13,7 +13,7 @@ Entities (times on the timeline `time`, s; lengths in metres, world frame):
     rules/ROBOT, bumpers/ROBOT  states, a row for each change
     measures/NAME, rule_shares/RULE, nearest_inputs/ROBOT  series for the plots
     herd                        a transform that follows the centre of the herd
-    about                       the trial in words
+    about, legend               the trial in words, and what is drawn
 
 Everything is sent in columns, with one call for each entity instead of one for each row.
 """
@@ -28,7 +28,7 @@ from numpy.typing import NDArray
 
 from flocking.measures import formation
 from flocking.types import Bools, Floats
-from trials.simulations.columns import member_colours, packed, series, times_column
+from trials.simulations.columns import member_colours, name_tag, packed, series, times_column
 from trials.simulations.recording_file import opened
 from trials.simulations.robots import recorded_senses, screen
 from trials.simulations.robots.fields import of_trial
@@ -70,6 +70,7 @@ def _world(recording: rr.RecordingStream, result: TrialResult) -> None:
     if len(walls):
         recording.log("world/walls", rr.LineStrips2D(walls, colors=packed([WALL_COLOUR]), radii=[0.015]), static=True)
     recording.log("about", rr.TextDocument(screen.about(result), media_type="text/markdown"), static=True)
+    recording.log("legend", rr.TextDocument(screen.LEGEND, media_type="text/markdown"), static=True)
 
 
 def _robots(recording: rr.RecordingStream, result: TrialResult) -> None:
@@ -96,8 +97,8 @@ def _robots(recording: rr.RecordingStream, result: TrialResult) -> None:
 
 
 def _body(recording: rr.RecordingStream, robot: str, name: str, radius: float, colour: NDArray[np.uint32]) -> None:
-    """Sends what is fixed in the robot's frame: a disc with its name, and an arrow ahead."""
-    disc = rr.Points2D([[0.0, 0.0]], radii=[radius], colors=colour, labels=[name], draw_order=20.0)
+    """Sends what is fixed in the robot's frame: a disc, an arrow ahead, and its name in front of both."""
+    disc = rr.Points2D([[0.0, 0.0]], radii=[radius], colors=colour, draw_order=20.0)
     ahead = rr.Arrows2D(
         origins=[[0.0, 0.0]],
         vectors=[[1.5 * radius, 0.0]],
@@ -106,6 +107,7 @@ def _body(recording: rr.RecordingStream, robot: str, name: str, radius: float, c
         draw_order=21.0,
     )
     recording.log(f"{robot}/body", disc, static=True)
+    recording.log(f"{robot}/name", name_tag(name), static=True)
     recording.log(f"{robot}/heading", ahead, static=True)
 
 

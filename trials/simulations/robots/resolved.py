@@ -8,6 +8,7 @@ from types import ModuleType
 from typing import Any, NamedTuple
 
 from flocking import avoidance, found, lawentry, obstacle_selection, selection
+from flocking.errors import InputError
 from flocking.parameters import declared, filled
 from robots import body as bodies
 from robots.body import Body
@@ -102,7 +103,10 @@ class Resolved:
     @cached_property
     def body(self) -> Body:
         """The body of its robots."""
-        return bodies.load(self.given.body)
+        name, files = self.given.body, self.given.body_files
+        if files and bodies.digest(name) != files:
+            raise InputError(f"the files of body {name!r} have changed since the run began; expected the same")
+        return bodies.load(name)
 
     @cached_property
     def laser(self) -> hokuyo.Parameters:

@@ -20,6 +20,17 @@ IDLE_COLOUR = 0x6B7280FF
 RULE_COLOURS = (0x3B9BFFFF, 0xFFB000FF, 0xDC267FFF, 0x44C26DFF, 0xA678F0FF, 0x2ED1C9FF)
 
 
+LEGEND = """
+- **disc**: a robot, to scale, in its own colour; **white arrow**: its heading; **white arc**: a pressed bumper
+- **line behind it**: its way in the last 15 s; **faint line**: its whole way; **grey line**: a wall
+- **small dots**: what its laser saw, from weak (dark) to strong (light); grey: without an intensity
+- **larger dots** in its colour: the members that its detection gave to its law; **red**: one that is nobody
+- **arrow in another colour**: to its way-point, in the colour of the rule that chose it (*Rule that acts*)
+- **white dot**: something was touched there just now
+"""
+"""What is drawn, in Markdown."""
+
+
 def rule_names(result: TrialResult) -> list[str]:
     """All rules of the robots' laws, each once."""
     return list(dict.fromkeys(rule for rules in result.rules for rule in rules))
@@ -37,6 +48,8 @@ def blueprint(result: TrialResult) -> rrb.Blueprint:
     half_width, half_height = _reach(result)
     low, high = _ground(result)
     everything = ["+ /world/**"]
+    left_out = ["scans/**", "members/**", "way_points/**", "trails"]
+    left_out += [f"robots/{name}/name" for name in result.robot_names]  # names would hide so small a herd
     close = views.plan(
         "Plan, following the herd",
         everything,
@@ -47,7 +60,7 @@ def blueprint(result: TrialResult) -> rrb.Blueprint:
     )
     whole = views.plan(
         "Whole way",
-        [*everything, "- /world/scans/**", "- /world/members/**", "- /world/way_points/**", "- /world/trails"],
+        [*everything, *(f"- /world/{entity}" for entity in left_out)],
         (low[0], high[0]),
         (-high[1], -low[1]),
         {"world/contacts": CONTACT_S},
@@ -57,6 +70,7 @@ def blueprint(result: TrialResult) -> rrb.Blueprint:
         rrb.StateTimelineView(origin="/bumpers", name="Bumpers"),
         rrb.TextLogView(origin="/events", name="Contacts"),
     )
+    below = rrb.Horizontal(states, views.legend(), column_shares=[3, 2])
     plots = [
         views.plot("Order", ["/measures/polarization", "/measures/straightness"], (0.0, 1.05)),
         views.plot("Median distance from the centre (m)", ["/measures/mmd"]),
@@ -70,7 +84,7 @@ def blueprint(result: TrialResult) -> rrb.Blueprint:
     ]
     return views.layout(
         rrb.Horizontal(
-            rrb.Vertical(close, whole, states, row_shares=[5, 1.3, 2.9]),
+            rrb.Vertical(close, whole, below, row_shares=[5, 1.3, 2.9]),
             rrb.Vertical(*plots, row_shares=[1, 1, 1, 1, 1.7]),
             column_shares=[2, 1],
         )

@@ -91,6 +91,7 @@ SIMULATION = Simulation(
     at_step=at_step,
     listed=listed,
     constants=constants,
+    check_start=checks.check_start,
     has_scans=True,
     world_xml=worldfile.world_xml,
     headings=HEADINGS,

@@ -18,7 +18,7 @@ from trials.evidence.claims import Entry, Question, all_must_hold, answers, clai
 from trials.evidence.outcomes import Outcome, more
 from trials.evidence.runs import Cells, Run, UndecidedError, arms
 from trials.evidence.statistics import slopes
-from trials.evidence.summary import named
+from trials.evidence.summary import naming
 from trials.reports import figures as draw
 from trials.reports.figures import Figure
 from trials.reports.ways import Curve, curve_of, curves
@@ -87,11 +87,11 @@ def _sizes(cells: Cells) -> list[Outcome]:
 
 def figures(run: Run, folder: Path) -> list[Figure]:
     """Accuracy against the true share of informed members, a line for each size."""
-    panels = {}
+    panels, words = {}, naming(trial.conditions for trial in run.trials)
     for arm, trials in arms(run, KEYS):
         others = {key: value for key, value in arm.items() if key != SPEED}
         speed = f"at {arm[SPEED]:g} m/s" if SPEED in arm else ""
-        name = ", ".join(filter(None, [f"accuracy {speed}".strip(), named(others) if others else ""]))
+        name = ", ".join(filter(None, [f"accuracy {speed}".strip(), words(others) if others else ""]))
         panels[name] = [
             _curve(run, count, arm)
             for count in sorted({int(trial.conditions[COUNT]) for trial in trials if COUNT in trial.conditions})

@@ -14,8 +14,9 @@ from trials.evidence.claims import Entry, Question, all_must_hold, answers, clai
 from trials.evidence.outcomes import Outcome, above, more, near
 from trials.evidence.runs import Cells, Run
 from trials.reports import figures as draw
-from trials.reports.figures import Figure
-from trials.reports.ways import first_result, ways
+from trials.reports.arms import by_arm, panels
+from trials.reports.figures import Figure, Place
+from trials.reports.ways import ways
 
 LAW = "herd.law"
 ORIGINAL, MERGING = ("viscido-ha", "hamilton-2d"), "hamilton-merging"
@@ -57,6 +58,10 @@ def _single(cells: Cells) -> list[Outcome]:
 
 def figures(run: Run, folder: Path) -> list[Figure]:
     """The ways of the first trial with each rule."""
-    panels = [(law, first_result(run, {LAW: law})) for law in (*ORIGINAL, MERGING)]
+    return by_arm(run, folder, (LAW,), _figures)
+
+
+def _figures(run: Run, place: Place) -> list[Figure]:
+    shown = panels(run, [(law, {LAW: law}) for law in (*ORIGINAL, MERGING)])
     caption = "Blue: where members start; green: where they end. The first trial with each rule: same start."
-    return [draw.save(ways(panels, columns=3), folder, "ways", "Ways", caption, dots=True)]
+    return [draw.save(ways(shown, columns=3), place, "ways", "Ways", caption, dots=True)]

@@ -15,7 +15,8 @@ from trials.evidence.claims import Entry, Question, all_must_hold, answers, clai
 from trials.evidence.outcomes import Outcome, above, more
 from trials.evidence.runs import Cells, Run
 from trials.reports import figures as draw
-from trials.reports.figures import Figure
+from trials.reports.arms import by_arm
+from trials.reports.figures import Figure, Place
 from trials.reports.ways import curve_of, curves
 
 COUNT, NOISE = "herd.count", "herd.law.noise_rad"
@@ -62,10 +63,16 @@ def _sizes(cells: Cells) -> list[Outcome]:
 
 
 def figures(run: Run, folder: Path) -> list[Figure]:
-    """Order against noise, a line for each size."""
+    """Order against noise, a line for each size; none of a law without that noise."""
+    return by_arm(run, folder, KEYS, _figures)
+
+
+def _figures(run: Run, place: Place) -> list[Figure]:
+    if not any(NOISE in trial.conditions for trial in run.trials):
+        return []
     sizes = sorted({trial.conditions[COUNT] for trial in run.trials if COUNT in trial.conditions})
     lines = [curve_of(run, "polarization", NOISE, f"N {size}", {COUNT: size}) for size in sizes]
     canvas = curves({"order": lines}, "noise (rad)", bounds=(0.0, 1.02))
     caption = "Mean over the repeats with its 95 % interval; density 4. As figure 2a of Vicsek et al. 1995, but that "
     caption += "herds of thousands at little noise have not found together yet."
-    return [draw.save(canvas, folder, "order", "Order against noise", caption)]
+    return [draw.save(canvas, place, "order", "Order against noise", caption)]

@@ -17,8 +17,9 @@ from trials.evidence.claims import Entry, Question, all_must_hold, answers, clai
 from trials.evidence.outcomes import Outcome, more
 from trials.evidence.runs import Cells, Run
 from trials.reports import figures as draw
-from trials.reports.figures import Figure
-from trials.reports.ways import first_result, ways
+from trials.reports.arms import by_arm, panels
+from trials.reports.figures import Figure, Place
+from trials.reports.ways import ways
 from trials.simulations.kinematic import fields
 from trials.types import Trial
 
@@ -64,6 +65,10 @@ def _directional(cells: Cells, margin: float) -> list[Outcome]:
 
 def figures(run: Run, folder: Path) -> list[Figure]:
     """Figure 4.4: the ways with either view."""
-    panels = [(name, first_result(run, {SELECTION: name})) for name in (FULL, LIMITED)]
+    return by_arm(run, folder, (SELECTION,), _figures)
+
+
+def _figures(run: Run, place: Place) -> list[Figure]:
+    shown = panels(run, [(name, {SELECTION: name}) for name in (FULL, LIMITED)])
     caption = "Blue: where members start; green: where they end; first trial of each. As figure 4.4 of Fine 2015."
-    return [draw.save(ways(panels, columns=2), folder, "ways", "Ways", caption, dots=True)]
+    return [draw.save(ways(shown, columns=2), place, "ways", "Ways", caption, dots=True)]

@@ -10,13 +10,13 @@ import numpy as np
 
 from trials.evidence.runs import Run
 from trials.reports import figures as draw
-from trials.reports.figures import ROBOT_COLOURS, Canvas, Figure
-from trials.reports.ways import first_result
+from trials.reports.arms import by_arm, panels
+from trials.reports.figures import ROBOT_COLOURS, Canvas, Figure, Place
 from trials.simulations.robots.measures_following import followed
 from trials.studies.crowded_horizon.figures import VARIATIONS
+from trials.studies.crowded_horizon.robots_claims import KEYS, LAW
 from trials.types import TrialResult
 
-LAW = "herd.law"
 SHARES = (0.0, 0.1, 0.2, 0.4, 0.6, 1.0)
 """Moments of a time series, of the trial."""
 FOLLOWED_OVER_S = 1.0
@@ -25,7 +25,11 @@ FOLLOWED_OVER_S = 1.0
 
 def figures(run: Run, folder: Path) -> list[Figure]:
     """The time series, the ways, and the two drawings of what robots do about nobody and about one."""
-    results = {law: first_result(run, {LAW: law}) for law in VARIATIONS}
+    return by_arm(run, folder, KEYS, _figures)
+
+
+def _figures(run: Run, place: Place) -> list[Figure]:
+    results = dict(panels(run, [(law, {LAW: law}) for law in VARIATIONS]))
     rows = []
     for law, result in results.items():
         length = result.times[-1] if result is not None else 0.0
@@ -34,10 +38,10 @@ def figures(run: Run, folder: Path) -> list[Figure]:
         "The first trial of each variation, about the herd's centre; discs are to scale. As figure 4.2 of Fine 2015."
     )
     found = [
-        draw.save(draw.formations(rows), folder, "time-series", "Time series", caption),
+        draw.save(draw.formations(rows), place, "time-series", "Time series", caption),
         draw.save(
             draw.trajectories(list(results.items()), columns=2),
-            folder,
+            place,
             "trajectories",
             "Trajectories",
             "The same trials in the world: same start, same noise. A dot where each robot ends.",
@@ -47,8 +51,11 @@ def figures(run: Run, folder: Path) -> list[Figure]:
         "Left: the ways of all robots while one of them (thick) saw nobody for the longest time; dots where they were "
         "then. Right: the moment at which most robots select one other alone (arrows). As figure 4.3 of Fine 2015."
     )
-    drawing = mechanisms(results["lch-member-pose"], results["lch-group-bearing"])
-    return [*found, draw.save(drawing, folder, "mechanisms", "Seeing nobody, following one", caption)]
+    blind, leading = (results.get(law) for law in ("lch-member-pose", "lch-group-bearing"))
+    if blind is None and leading is None:
+        return found
+    drawing = mechanisms(blind, leading)
+    return [*found, draw.save(drawing, place, "mechanisms", "Seeing nobody, following one", caption)]
 
 
 def mechanisms(blind: TrialResult | None, leading: TrialResult | None) -> Canvas:

@@ -13,8 +13,10 @@ from typing import Any
 from flocking.errors import InputError
 from trials.batch.folders import newest
 from trials.batch.store import opened
+from trials.design import plan
 from trials.evidence.claims import Entry, answered, claim_of
 from trials.evidence.runs import Cells, Run, UndecidedError, arms
+from trials.invoked import spelled
 from trials.studies.detection.conditions import KEYS, VIEW
 from trials.studies.detection.judges import JUDGES, Data
 from trials.types import Trial
@@ -65,7 +67,7 @@ def supplement(run: Run, experiment: str, arm: Mapping[str, Any], besides: Colle
     """
     folder = _newest(run, experiment)
     if folder is None:
-        raise UndecidedError(f"needs trials of {experiment} (herd run {experiment})")
+        raise UndecidedError(f"needs trials of {experiment}", _words(run, experiment, arm, besides))
     try:
         other = opened(folder)
     except InputError as error:
@@ -74,16 +76,44 @@ def supplement(run: Run, experiment: str, arm: Mapping[str, Any], besides: Colle
         rows = other.rows()
     finally:
         other.close()
-    wanted = _settings([trial for trial in run.trials if arm.items() <= trial.conditions.items()], besides)
     differences = []
-    for _, trials in arms(other, KEYS):
-        given = _settings(trials, besides)
+    mine, others = _of_arm(run, arm), arms(other, KEYS)
+    try:
+        settings = [_settings(trials, besides) for trials in (mine, *(trials for _, trials in others))]
+    except InputError as error:  # a world or a body of the user's own, which is not executed
+        raise UndecidedError(f"needs trials of {experiment}, which cannot be compared: {error}") from error
+    wanted = settings[0]
+    for (_, trials), given in zip(others, settings[1:], strict=True):
         differ = sorted(key for key in wanted.keys() & given.keys() if wanted[key] != given[key])
         if not differ:
             return Cells(trials, rows, KEYS)
         differences.append((len(differ), differ[0], given[differ[0]]))
     _, key, value = min(differences)
-    raise UndecidedError(f"needs trials of {experiment} with {key} = {wanted[key]}; the newest, {folder}, have {value}")
+    raise UndecidedError(
+        f"needs trials of {experiment} with {key} = {wanted[key]}; the newest, {folder}, have {value}",
+        _words(run, experiment, arm, besides),
+    )
+
+
+def _words(run: Run, experiment: str, arm: Mapping[str, Any], besides: Collection[str]) -> list[str]:
+    """Of the command that runs the trials of a supplement with the settings of an arm of `run`."""
+    settings: dict[str, Any] = {}
+    for _ in range(2):  # names first: a law's parameters are known once it is put in
+        try:
+            wanted = _settings(_of_arm(run, arm)[:1], besides, by_repeat=False)
+            given = _settings(plan(experiment, repeats=1, settings=settings).trials[:1], besides, by_repeat=False)
+        except InputError:  # a file of the user's own is no longer there, or is not executed
+            return []
+        settings |= {key: value for key, value in wanted.items() if key in given and given[key] != value}
+    return [
+        "run",
+        experiment,
+        *(word for key, value in settings.items() for word in ("--set", f"{key}={spelled(value)}")),
+    ]
+
+
+def _of_arm(run: Run, arm: Mapping[str, Any]) -> list[Trial]:
+    return [trial for trial in run.trials if arm.items() <= trial.conditions.items()]
 
 
 def _newest(run: Run, experiment: str) -> Path | None:
@@ -95,7 +125,7 @@ def _newest(run: Run, experiment: str) -> Path | None:
     return None
 
 
-def _settings(trials: Sequence[Trial], besides: Collection[str]) -> dict[str, Any]:
+def _settings(trials: Sequence[Trial], besides: Collection[str], by_repeat: bool = True) -> dict[str, Any]:
     """What trials of one arm were run with, but for their conditions and `besides`; the formation of each repeat.
 
     The laser's view is no part of its noise: it is compared whatever `besides` says.
@@ -108,4 +138,6 @@ def _settings(trials: Sequence[Trial], besides: Collection[str]) -> dict[str, An
         for row in rows(trials[0])
         if row.key == VIEW or not any(row.key == key or row.key.startswith(f"{key}.") for key in left_out)
     }
+    if not by_repeat:
+        return found
     return found | {f"formation of repeat {trial.repeat}": trial.formation for trial in trials}

@@ -10,9 +10,10 @@ from typing import Any
 import numpy as np
 
 from flocking.errors import InputError
-from trials.evidence.runs import Run, arms
+from trials.evidence.runs import Run
 from trials.reports import figures as draw
-from trials.reports.figures import Canvas, Figure
+from trials.reports.arms import by_arm
+from trials.reports.figures import Canvas, Figure, Place
 from trials.studies.detection.conditions import EXCLUSION, KEYS, MEMBER, PIPELINE, SENSOR
 from trials.types import Trial, TrialResult
 
@@ -53,28 +54,31 @@ class Shown:
 
 
 def figures(run: Run, folder: Path) -> list[Figure]:
-    """Inputs over time, trajectories and formations of the run's first arm, written to `folder`/figures."""
-    trials = arms(run, KEYS)[0][1]
+    """Inputs over time, trajectories and formations of each arm of the run, written to `folder`/figures."""
+    return by_arm(run, folder, KEYS, _figures)
+
+
+def _figures(run: Run, place: Place) -> list[Figure]:
+    trials = run.trials
     shown = Shown(run, trials)
     repeat = min((trial.repeat for trial in trials), default=1)
-    inputs = [
-        (f"{pipeline}, exclusion {at:g} m (figure {number})", shown.first(pipeline, at))
-        for pipeline, at, number in PUBLISHED
-    ]
     cells = list(dict.fromkeys((trial.conditions.get(PIPELINE), trial.conditions.get(EXCLUSION)) for trial in trials))
     ways = [(_cell_name(pipeline, at), shown.first(pipeline, at, repeat)) for pipeline, at in cells]
-    if not any(panel for _, panel in inputs):  # another law or detection: none of the publication's cells
-        inputs = ways
+    drawn: dict[tuple[Any, Any], str] = {
+        (pipeline, at): f" (figure {number})" for pipeline, at, number in PUBLISHED if (pipeline, at) in cells
+    }
+    drawn = drawn or dict.fromkeys(cells, "")  # another law or detection: none of the publication's cells
+    inputs = [(f"{_cell_name(*cell)}{number}", shown.first(*cell)) for cell, number in drawn.items()]
     rows = []
     for formation in dict.fromkeys(trial.formation for trial in trials):
-        results = [(p, at, shown.first(p, at, formation=formation)) for p, at, _ in PUBLISHED]
-        first = next((r for *_, r in results if r is not None), None)
-        ends = [(f"end\n{p}, {at:g} m", r, 1.0) for p, at, r in results]
+        results = [(_cell_name(*cell), shown.first(*cell, formation=formation)) for cell in drawn]
+        first = next((result for _, result in results if result is not None), None)
+        ends = [(f"end\n{name}", result, 1.0) for name, result in results]
         rows.append((formation, [("start", first, 0.0), *ends]))
     found = [
         draw.save(
             inputs_over_time(inputs),
-            folder,
+            place,
             "inputs",
             "Inputs' distances over time",
             "One dot an input let through to the law, one colour a robot, black: belongs to nobody. "
@@ -83,7 +87,7 @@ def figures(run: Run, folder: Path) -> list[Figure]:
         ),
         draw.save(
             draw.trajectories(ways),
-            folder,
+            place,
             "trajectories",
             "Trajectories",
             f"All cells of repeat {repeat}: same start and noise. A dot where each robot ends.",
@@ -91,7 +95,7 @@ def figures(run: Run, folder: Path) -> list[Figure]:
     ]
     if rows:
         caption = "Each starting formation, and where it ends in the cells of figures 2.6 to 2.9. Discs are to scale."
-        found.append(draw.save(draw.formations(rows), folder, "formations", "Formations", caption))
+        found.append(draw.save(draw.formations(rows), place, "formations", "Formations", caption))
     return found
 
 

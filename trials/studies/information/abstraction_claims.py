@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 from trials.evidence.claims import Entry, Judged, Question, answers, published
 from trials.evidence.runs import Cells, Run, UndecidedError
+from trials.evidence.summary import shown_value
 from trials.studies.information import law_survey
 from trials.studies.information.abstraction_design import (
     ALL_TOLD,
@@ -56,7 +57,7 @@ def _questions(cells: Cells) -> list[Question]:
     return [
         Question(
             source=f"fine2015, section {told['sections'][0]}",
-            quantity=f"{rule}, by {' and '.join(law_survey.judged_by(law_of(rule)))}",
+            quantity=f"{shown_value(rule)}, by {' and '.join(law_survey.judged_by(law_of(rule)))}",
             claim=of_lch if rule == LCH else of_others,
             judge=partial(_judged, cells, rule),
         )

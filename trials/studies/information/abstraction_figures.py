@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from trials.evidence.runs import Cells, Run, UndecidedError, arms
+from trials.evidence.runs import Cells, Run, UndecidedError
+from trials.evidence.summary import shown_value
 from trials.reports import figures as draw
-from trials.reports.figures import Figure
+from trials.reports.arms import by_arm
+from trials.reports.figures import Figure, Place
 from trials.studies.information import law_survey
 from trials.studies.information.abstraction_claims import cell_of, control_of, kept, rules_of, told_of
 from trials.studies.information.abstraction_design import ALL_TOLD, KEYS, law_of, words_left_out
@@ -17,19 +19,22 @@ CONTROL_COLUMN = "random motion"
 
 
 def figures(run: Run, folder: Path) -> list[Figure]:
-    """The map of the run's first arm."""
-    _, trials = arms(run, KEYS)[0]
-    cells = Cells(trials, run.rows(), KEYS)
-    rows = {rule: _row(cells, rule) for rule in rules_of(cells)}
+    """The map of each arm of the run."""
+    return by_arm(run, folder, KEYS, _figures)
+
+
+def _figures(run: Run, place: Place) -> list[Figure]:
+    cells = Cells(run.trials, run.rows(), KEYS)
+    rows = {shown_value(rule): _row(cells, rule) for rule in rules_of(cells)}
     columns = [*(told.words() for told in ALL_TOLD), CONTROL_COLUMN]
     key = "numbers: what the law is judged by (largest group's share; polarization, or MMD in spacings of the herd)"
     caption = (
         "Green: shown to flock as with perfect poses and better than random motion; red: shown not to; grey: neither; "
         "white: not asked of this law. First column: better than random motion alone. Last: its control. "
-        f"{words_left_out()} {law_survey.without_goals(trials)}"
+        f"{words_left_out()} {law_survey.without_goals(run.trials)}"
     )
     title = "Who keeps flocking as information is taken away"
-    return [draw.save(verdict_map(rows, columns, key), folder, "information", title, caption.rstrip())]
+    return [draw.save(verdict_map(rows, columns, key), place, "information", title, caption.rstrip())]
 
 
 def _row(cells: Cells, rule: str) -> list[Square | None]:

@@ -12,9 +12,11 @@ from pathlib import Path
 from typing import Any
 
 from trials.evidence.claims import Entry, Judged, Question, answers, published
-from trials.evidence.runs import Cells, Run, UndecidedError, arms
+from trials.evidence.runs import Cells, Run, UndecidedError
+from trials.evidence.summary import shown_value
 from trials.reports import figures as draw
-from trials.reports.figures import Figure
+from trials.reports.arms import by_arm
+from trials.reports.figures import Figure, Place
 from trials.studies.information.abstraction_design import LCH, VARIATIONS, rule_of
 from trials.studies.information.law_judges import IN_WORDS, Cell, alike, better, both, held_in_all, mean_of, verdict
 from trials.studies.information.law_survey import CONTROL, LAW, judged_by, told_apart_by
@@ -86,7 +88,7 @@ def _questions(cells: Cells) -> list[Question]:
     return [
         Question(
             source=f"fine2015, section {told['sections'][1]}",
-            quantity=law,
+            quantity=shown_value(law),
             claim=words if rule_of(law) == LCH else f"{words}: left open",
             judge=partial(_judged, cells, law, asked),
         )
@@ -95,12 +97,15 @@ def _questions(cells: Cells) -> list[Question]:
 
 
 def figures(run: Run, folder: Path) -> list[Figure]:
-    """The map of the run's first arm."""
-    _, trials = arms(run, KEYS)[0]
-    cells = Cells(trials, run.rows(), KEYS)
+    """The map of each arm of the run."""
+    return by_arm(run, folder, KEYS, _figures)
+
+
+def _figures(run: Run, place: Place) -> list[Figure]:
+    cells = Cells(run.trials, run.rows(), KEYS)
     columns = [(detail, detection) for detail in (MEMBER_CENTRIC, GROUP_CENTRIC) for detection in DETECTIONS]
     rows = {
-        law: [_square(cells, (law, *column)) if (law, *column) in asked else None for column in columns]
+        shown_value(law): [_square(cells, (law, *column)) if (law, *column) in asked else None for column in columns]
         for law, asked in asked_of(cells).items()
     }
     names = [f"{'members' if detail == MEMBER_CENTRIC else 'group'}, {detection}" for detail, detection in columns]
@@ -110,7 +115,7 @@ def figures(run: Run, folder: Path) -> list[Figure]:
         "shown not to; grey: neither; white: not asked of this law."
     )
     title = "Who keeps flocking on Creates as information is taken away"
-    return [draw.save(verdict_map(rows, names, key), folder, "information", title, caption)]
+    return [draw.save(verdict_map(rows, names, key), place, "information", title, caption)]
 
 
 def _square(cells: Cells, cell: Cell) -> Square:

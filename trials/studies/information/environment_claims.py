@@ -15,6 +15,7 @@ from trials.evidence import statistics
 from trials.evidence.claims import Entry, Judged, Question, answers, published
 from trials.evidence.outcomes import Outcome, above
 from trials.evidence.runs import Cells, Run, UndecidedError
+from trials.evidence.summary import shown_value
 from trials.studies.information import law_survey
 from trials.studies.information.environment_design import (
     BUMPER,
@@ -46,7 +47,7 @@ def _questions(cells: Cells) -> list[Question]:
     told = published(__package__, "fine2015", "environment")
     (losing, touching), (sections, section) = told["claims"], told["sections"]
     found = [
-        Question(source=f"fine2015, sections {sections}", quantity=law, claim=losing, judge=partial(_kept, cells, law))
+        Question(f"fine2015, sections {sections}", shown_value(law), losing, judge=partial(_kept, cells, law))
         for law in laws_of(cells)
     ]
     if BUMPER in cells.levels(LAW):

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from trials.evidence.runs import Cells, Run, UndecidedError, arms
+from trials.evidence.runs import Cells, Run, UndecidedError
+from trials.evidence.summary import shown_value
 from trials.reports import figures as draw
-from trials.reports.figures import Figure
+from trials.reports.arms import by_arm
+from trials.reports.figures import Figure, Place
 from trials.studies.information import law_survey
 from trials.studies.information.environment_claims import MEASURES, cell_of, control_of, laws_of, losses, settings_of
 from trials.studies.information.environment_design import BUMPER, KEYS, SETTINGS, Setting
@@ -19,10 +21,13 @@ LETTERS = dict(zip(MEASURES, "SPM", strict=True))
 
 
 def figures(run: Run, folder: Path) -> list[Figure]:
-    """The maps of the run's first arm."""
-    _, trials = arms(run, KEYS)[0]
-    cells = Cells(trials, run.rows(), KEYS)
-    rows = {law: [_square(cells, law, setting) for setting in SETTINGS] for law in laws_of(cells)}
+    """The map of each arm of the run."""
+    return by_arm(run, folder, KEYS, _figures)
+
+
+def _figures(run: Run, place: Place) -> list[Figure]:
+    cells = Cells(run.trials, run.rows(), KEYS)
+    rows = {shown_value(law): [_square(cells, law, setting) for setting in SETTINGS] for law in laws_of(cells)}
     if BUMPER in cells.levels(LAW):
         felt = settings_of(cells, BUMPER)
         for name, cell in ((BUMPER, lambda setting: cell_of(BUMPER, setting)), (CONTROL, control_of)):
@@ -35,11 +40,11 @@ def figures(run: Run, folder: Path) -> list[Figure]:
     caption = (
         "Green: shown to lose nothing against the same herd in free space and in step, the first column; red: shown to "
         "lose something; grey: neither. +: the shared avoidance is added. Last two rows: a law that knows nothing but "
-        f"its bumper, and random motion of the same body. Left out: {reasons}. {law_survey.without_goals(trials)}"
+        f"its bumper, and random motion of the same body. Left out: {reasons}. {law_survey.without_goals(run.trials)}"
     )
     title = "What laws lose within walls, among obstacles and out of step"
     columns = [setting.words() for setting in SETTINGS]
-    return [draw.save(verdict_map(rows, columns, key), folder, "environment", title, caption.rstrip())]
+    return [draw.save(verdict_map(rows, columns, key), place, "environment", title, caption.rstrip())]
 
 
 def _square(cells: Cells, law: str, setting: Setting) -> Square | None:

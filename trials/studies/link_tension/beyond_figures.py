@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from trials.evidence.runs import Run, arms
-from trials.evidence.summary import named
+from trials.evidence.summary import naming
 from trials.reports import figures as draw
 from trials.reports.figures import Figure
 from trials.studies.link_tension.curves import Line, over_time, reliabilities
@@ -23,9 +23,9 @@ SHOWN_HORIZONS = (0.25, 1.0, 4.0)
 
 def figures(run: Run, folder: Path) -> list[Figure]:
     """Precision, recall and calibration by law and size, for each factor of the speeds; of each arm of a sweep."""
-    found, made = Finished(run), list[Figure]()
+    found, made, words = Finished(run), list[Figure](), naming(trial.conditions for trial in run.trials)
     for number, (arm, trials) in enumerate(arms(run, (LAW, COUNT, FACTOR))):
-        suffix, told = (f"-{number + 1}", f" {named(arm)}.") if arm else ("", "")
+        suffix, told = (f"-{number + 1}", f" {words(arm)}.") if arm else ("", "")
         if not _levels(trials, FACTOR):  # another formation has none
             continue
         for factor in _levels(trials, FACTOR):

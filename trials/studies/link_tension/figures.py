@@ -11,9 +11,10 @@ import numpy as np
 from trials.evidence.claims import published
 from trials.evidence.runs import Run, arms
 from trials.evidence.statistics import mean_interval
-from trials.evidence.summary import named
+from trials.evidence.summary import naming
 from trials.reports import figures as draw
-from trials.reports.figures import Canvas, Figure
+from trials.reports.arms import by_arm, planned
+from trials.reports.figures import Canvas, Figure, Place
 from trials.simulations.kinematic.lattice_starts import BOTH, NAMES, POSITION, VELOCITY
 from trials.simulations.kinematic.links import HORIZONS
 from trials.studies.link_tension.claims import ALPHA, KEYS, PERIODS, STRENGTH, TABLES
@@ -27,11 +28,22 @@ COUNTS = ("broken_broken", "broken_predicted_intact", "intact_predicted_broken",
 
 
 def figures(run: Run, folder: Path) -> list[Figure]:
-    """All of them; those of settings that the run has not say so, and a sweep has one that compares its arms."""
+    """All of them for each arm, and of a sweep one that compares its arms."""
+    compared = []
+    if len(arms(run, KEYS)) > 1:
+        title = "The choices that the publication leaves"
+        compared.append(draw.save(sweep(run, Finished(run)), folder, "sweep", title, SWEEP_CAPTION))
+    return [*compared, *by_arm(run, folder, KEYS, _figures)]
+
+
+def _figures(run: Run, place: Place) -> list[Figure]:
+    """Those of one arm; of another law, or of other starts, there are none."""
     found = Finished(run)
     arm = {key: value for key, value in run.trials[0].conditions.items() if key not in KEYS}
-    told = f" Of the sweep's first arm: {named(arm)}." if arm else ""
     usual = {formation: {**arm, "formation": formation, **SETTING} for formation in NAMES}
+    usual = {formation: cell for formation, cell in usual.items() if planned(run, cell)}
+    if not usual:
+        return []
     panels = {f"{formation}, alpha {ALPHA:g}, strength {STRENGTH:g}": cell for formation, cell in usual.items()}
     ways = (("apart", "printed"), ("ever", "printed"), ("ever", "reduced"))
     judged = {
@@ -43,17 +55,16 @@ def figures(run: Run, folder: Path) -> list[Figure]:
         for title, cell in panels.items()
     }
     tabled, flocks = tables(found, arm), flock(run, list(usual.items()))
-    made = [draw.save(tabled, folder, "tables", "Tables 1 and 2", TABLES_CAPTION + told)]
-    if arm:
-        title = "The choices that the publication leaves"
-        made.append(draw.save(sweep(run, found), folder, "sweep", title, SWEEP_CAPTION))
-    made.append(draw.save(flocks, folder, "flocks", "Figures 4 and 5", FLOCKS_CAPTION + told, dots=True))
+    made = [
+        draw.save(tabled, place, "tables", "Tables 1 and 2", TABLES_CAPTION),
+        draw.save(flocks, place, "flocks", "Figures 4 and 5", FLOCKS_CAPTION, dots=True),
+    ]
     drawn = (
         ("settings", "All settings", settings(found, arm), SETTINGS_CAPTION),
         ("over-time", "Precision and recall over time", over_time(found, judged), TIME_CAPTION),
         ("calibration", "Calibration", reliabilities(found, later), CALIBRATION_CAPTION),
     )
-    return [*made, *(draw.save(canvas, folder, name, title, caption + told) for name, title, canvas, caption in drawn)]
+    return [*made, *(draw.save(canvas, place, name, title, caption) for name, title, canvas, caption in drawn)]
 
 
 TABLES_CAPTION = (
@@ -116,7 +127,7 @@ def tables(found: Finished, arm: dict[str, Any]) -> Canvas:
 
 def sweep(run: Run, found: Finished) -> Canvas:
     """Each table's four counts of the first period and the foretold breaks of the second, by arm."""
-    chosen = [arm for arm, _ in arms(run, KEYS)]
+    chosen, words = [arm for arm, _ in arms(run, KEYS)], naming(trial.conditions for trial in run.trials)
     shown = (("broken_broken", 0), ("intact_predicted_broken", 0), ("broken_broken", 1), ("intact_predicted_broken", 1))
     canvas, axes = draw.grid(4 * len(NAMES), 4, width=9.6, height=0.7 + 0.16 * len(chosen))
     spots = [(formation, name, start) for formation in NAMES for name, start in shown]
@@ -134,7 +145,7 @@ def sweep(run: Run, found: Finished) -> Canvas:
             mean, low, high = mean_interval(np.array([getattr(one, name) for one in made], dtype=float))
             axis.plot(mean, at, "o", color=draw.SERIES_COLOURS[0], ms=2.5)
             axis.hlines(at, low, high, color=draw.SERIES_COLOURS[0], lw=1.0)
-        labels = [named(arm) for arm in chosen] if (name, start) == shown[0] else [""] * len(chosen)
+        labels = [words(arm) for arm in chosen] if (name, start) == shown[0] else [""] * len(chosen)
         axis.set_yticks(range(len(chosen)), labels, fontsize=5)
         axis.set_ylim(len(chosen) - 0.5, -0.5)
         axis.tick_params(axis="x", labelsize=6)
