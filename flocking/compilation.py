@@ -87,7 +87,7 @@ os.environ["NUMBA_CACHE_DIR"] = str(cache_folder())
 
 import numba  # noqa: E402 (the cache's folder must be set before Numba is imported)
 
-from flocking.compiled_cache import kept_between_runs  # noqa: E402 (it imports Numba)
+from flocking.compiled_cache import compiled_now, kept_between_runs  # noqa: E402 (it imports Numba)
 
 
 def _kept(function: Callable[..., Any]) -> bool:
@@ -110,10 +110,7 @@ def compiled_for(signature: Any) -> Callable[[Callable[..., Any]], Any]:
     """As `compiled`, at once and for one signature of Numba's."""
 
     def decorated(function: Callable[..., Any]) -> Any:
-        made = _dispatcher(function)
-        made.compile(signature)
-        made.disable_compile()
-        return made
+        return compiled_now(_dispatcher(function), signature)
 
     return decorated
 

@@ -44,6 +44,18 @@ class CompiledCache(FunctionCache):
 
 
 def kept_between_runs(dispatcher: Any) -> Any:
-    """A function that Numba compiles, with its compiled code kept between runs."""
-    dispatcher._cache = CompiledCache(dispatcher.py_func)
+    """A function that Numba compiles, with its compiled code kept between runs.
+
+    Itself where Numba is told to compile nothing (NUMBA_DISABLE_JIT) and hands back plain functions.
+    """
+    if hasattr(dispatcher, "py_func"):
+        dispatcher._cache = CompiledCache(dispatcher.py_func)
+    return dispatcher
+
+
+def compiled_now(dispatcher: Any, signature: Any) -> Any:
+    """A function that Numba compiles, compiled for one signature and for no other."""
+    if hasattr(dispatcher, "py_func"):
+        dispatcher.compile(signature)
+        dispatcher.disable_compile()
     return dispatcher

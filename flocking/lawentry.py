@@ -56,7 +56,7 @@ import importlib.util
 import sys
 
 import numba
-from flocking.compiled_cache import kept_between_runs
+from flocking.compiled_cache import compiled_now, kept_between_runs
 from flocking.types import Members, Obstacles, Own
 
 _spec = importlib.util.spec_from_file_location({module!r}, {path!r})
@@ -88,8 +88,7 @@ def entry(own, positions, bearings, headings, velocities, ids, sets, obstacles, 
 
 if {cached}:
     kept_between_runs(entry)
-entry.compile({signature!r})
-entry.disable_compile()
+compiled_now(entry, {signature!r})
 '''
 
 

@@ -29,6 +29,8 @@ POLL_S = 0.25
 """Wall time between two looks at the workers."""
 BREAKS = 3
 """How many workers in a row may die before one is ready."""
+NO_MAIN_GUARD = 79
+"""Exit code of a worker whose import of the user's own script came to start a batch."""
 SHORT_S = 0.5
 """Tasks shorter than this (wall time) are handed out one ahead, so that no worker waits while a result is kept."""
 SLOW, LAW, WAITS = "slow", "law", "waits"
@@ -176,6 +178,10 @@ class Crew:
         worker.process.close()
         worker.pipe.close()
         how = signal.Signals(-code).name if code < 0 else f"exit code {code}"
+        if code == NO_MAIN_GUARD:
+            raise InputError(
+                "workers import the script that started the batch: expected its calls under if __name__ == '__main__':"
+            )
         if not worker.is_ready:
             self.breaks += 1
             if self.breaks == BREAKS:
@@ -198,6 +204,12 @@ class Crew:
             worker.why = WAITS
         if worker.why:
             worker.process.kill()
+
+
+def check_main_guard() -> None:
+    """Ends a worker that comes here while it imports the script of its parent: it would start a batch of its own."""
+    if getattr(multiprocessing.current_process(), "_inheriting", False):
+        os._exit(NO_MAIN_GUARD)
 
 
 @contextmanager

@@ -81,6 +81,14 @@ def alone(folder: Path) -> Iterator[None]:
         os.close(handle)
 
 
+def check_name(folder: Path | None) -> None:
+    """Raises `InputError` for a name that no page and no terminal can show."""
+    try:
+        str(folder).encode()
+    except UnicodeEncodeError:
+        raise InputError(f"folder {str(folder)!a}: expected a name in UTF-8") from None
+
+
 @contextmanager
 def new_folder(out: Path | None, experiment: str) -> Iterator[Path]:
     """The folder for a new run, locked: `out`, made where it is not yet, or the next numbered one of the experiment.
@@ -158,6 +166,10 @@ def reading(path: Path) -> Iterator[None]:
         yield
     except InputError:
         raise
+    except sqlite3.OperationalError as error:
+        if "locked" not in str(error):
+            raise InputError(f"{path} cannot be read: it is damaged or is no results file ({error})") from error
+        raise InputError(f"{path} cannot be read: another process has locked it; try once more") from error
     except (sqlite3.Error, ValueError) as error:
         raise InputError(f"{path} cannot be read: it is damaged or is no results file ({error})") from error
     except OSError as error:

@@ -20,6 +20,7 @@ from flocking.lawentry import is_path
 from trials import simulations
 from trials.batch import folders, machine, progress, runfile, store, worker
 from trials.batch.batch import Work, run_batch
+from trials.batch.crew import check_main_guard
 from trials.batch.store import Row, Store
 from trials.design import DEFAULT_SEED, Plan, load, plan
 from trials.invoked import command, herd, spelled
@@ -108,13 +109,15 @@ def users_laws(asked: Asked) -> list[str]:
     return list(dict.fromkeys(filter(is_path, names)))
 
 
-def start(asked: Asked, out: Path | None, jobs: int, report: Report) -> int:
-    """Runs what is asked for into a new folder and reports; returns the exit code."""
+def start(asked: Asked, out: Path | None, jobs: int, report: Report) -> tuple[int, Path]:
+    """Runs what is asked for into a new folder and reports; returns the exit code and the folder."""
+    check_main_guard()
     made, chosen = planned(asked)
     for note in made.notes:
         print(f"note: {note}", file=sys.stderr)
     if out is not None and str(out) in ("", "."):
         raise InputError(f"--out {str(out)!r}: expected a new or empty folder for the run")
+    folders.check_name(out)
     run = {
         "format": runfile.FORMAT,
         "experiment": made.experiment,
@@ -139,7 +142,7 @@ def start(asked: Asked, out: Path | None, jobs: int, report: Report) -> int:
     with folders.new_folder(out, made.experiment) as folder:
         kept = store.create(folder, run, code_of(chosen))
         try:
-            return _run_rest(kept, jobs, report)
+            return _run_rest(kept, jobs, report), folder
         finally:
             kept.close()
 

@@ -58,13 +58,18 @@ def prepare(imports: Callable[[], None] | None, memory: Ints) -> None:
     """
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     watch.share(memory)
-    if sys.platform == "linux":
-        ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
+    end_with_parent()
     if imports is not None:
         try:
             imports()
         except Exception:  # the trial meets the same error, and reports it
             return
+
+
+def end_with_parent() -> None:
+    """Has this process ended at once when its parent ends, however that ends."""
+    if sys.platform == "linux":
+        ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
 
 
 def imports_of(trials: Sequence[Trial]) -> Callable[[], None]:

@@ -186,7 +186,7 @@ def run(
         return 0
     if debug:
         return running.debug(asked)
-    return running.start(asked, out, jobs or _cores(), _report)
+    return running.start(asked, out, jobs or _cores(), _report)[0]
 
 
 @app.command()
@@ -255,6 +255,8 @@ def world(
             f"experiment {experiment!r} is {chosen.simulation}: it has no world for MuJoCo; run it and see it with "
             f"{command('play')}"
         )
+    if out.exists():
+        raise InputError(f"--out {out}: there is such a file; expected a new one")
     write_whole(out, world_xml(chosen).encode())
     print(f"{out}: open it with {shlex.join([sys.executable, '-m', 'mujoco.viewer', f'--mjcf={out}'])}")
 
@@ -357,9 +359,11 @@ def _cores() -> int:
 
 
 def _run_folder(folder: Path | None) -> Path:
+    from trials.batch.folders import check_name, newest
+
     if folder is not None:
+        check_name(folder)
         return folder
-    from trials.batch.folders import newest
 
     return newest()
 

@@ -14,7 +14,9 @@ _KEY = re.compile(r"[A-Za-z_][\w-]*(\.[A-Za-z_][\w-]*)*")
 _WORD = re.compile(r"[A-Za-z_.~/][\w./~-]*\+?(\([\w., -]*\))?( *& *[A-Za-z_-]+(\([\w., -]*\))?)*")
 _BETWEEN = re.compile(r",(?![^(]*\))")
 """A comma outside of parentheses: those of `distance-based(0, 3)` are of one value."""
-_RANGE = re.compile(r"(\d+)(?:-(\d+))?")
+_RANGE = re.compile(r"([0-9]{1,12})(?:-([0-9]{1,12}))?")
+LONG = 60
+"""Characters of a text that an error repeats."""
 
 
 def settings(texts: Iterable[str]) -> dict[str, Any]:
@@ -65,8 +67,13 @@ def _split(option: str, text: str, what: str) -> tuple[str, str]:
 
 
 def _toml(text: str) -> Any:
-    """One TOML value. Raises `tomllib.TOMLDecodeError`."""
-    found = tomllib.loads(f"value = {text}")
+    """One TOML value. Raises `tomllib.TOMLDecodeError`, also for one that nobody can mean."""
+    try:
+        found = tomllib.loads(f"value = {text}")
+    except tomllib.TOMLDecodeError:
+        raise
+    except (ValueError, RecursionError) as error:  # thousands of digits or of brackets
+        raise tomllib.TOMLDecodeError from error
     if list(found) != ["value"]:
         raise tomllib.TOMLDecodeError
     return found["value"]
@@ -79,8 +86,13 @@ def _value(given: str, text: str) -> Any:
         if _WORD.fullmatch(text):
             return text
         raise InputError(
-            f'{given}: {text!r} is not a TOML value; expected as in 0.5, true, nearest or "nearest & all"'
+            f"{_short(given)}: {_short(text)!r} is not a TOML value; "
+            'expected as in 0.5, true, nearest or "nearest & all"'
         ) from None
+
+
+def _short(text: str) -> str:
+    return text if len(text) <= LONG else f"{text[:LONG]}…"
 
 
 def _values(given: str, text: str) -> list[Any]:

@@ -14,6 +14,7 @@ from urllib.parse import quote
 
 from flocking.errors import InputError
 from trials.batch.running import ranges
+from trials.batch.worker import end_with_parent
 from trials.commands.webpage import served
 from trials.invoked import command
 
@@ -134,7 +135,7 @@ def _end(process: subprocess.Popen[bytes]) -> None:
 def _started(command: list[str]) -> subprocess.Popen[bytes]:
     # The viewer sends usage statistics unless the variable CI is set, as on machines for continuous integration.
     quiet = {"CI": "1", "RUST_LOG": os.environ.get("RUST_LOG", "error")}
-    return subprocess.Popen(command, env=os.environ | quiet)
+    return subprocess.Popen(command, env=os.environ | quiet, preexec_fn=end_with_parent)
 
 
 def _program() -> list[str]:
