@@ -199,3 +199,27 @@ def test_a_killed_parent_leaves_no_process_and_no_broken_file(tmp_path: Path) ->
     opened = store.opened(tmp_path / "run")
     assert [row.index for row in opened.rows()] == [1, 2]
     assert [path.name for path in sorted((tmp_path / "run" / "series").iterdir())] == ["0001.npz", "0002.npz"]
+
+
+SCRIPT = """
+from trials import batch
+{guard}folder = batch.run("lch-table-4-1", repeats=1, settings={{"steps": 2}}, jobs=1, record="none")
+{guard}print(folder)
+"""
+
+
+@pytest.mark.parametrize("guarded", [True, False])
+def test_a_batch_of_a_script_of_ones_own(tmp_path: Path, guarded: bool) -> None:
+    """Without a main guard it ends at once, in one line, with one folder."""
+    path = tmp_path / "mine.py"
+    path.write_text(SCRIPT.format(guard="if __name__ == '__main__': " if guarded else ""))
+    done = subprocess.run([sys.executable, str(path)], cwd=tmp_path, capture_output=True, text=True)
+    folders_made = [folder.name for folder in (tmp_path / "runs" / "lch-table-4-1").iterdir()]
+    assert folders_made == ["001"]
+    if guarded:
+        assert done.returncode == 0, done.stderr
+        assert done.stdout.endswith("runs/lch-table-4-1/001\n")
+    else:
+        assert done.returncode == 1
+        assert done.stderr.rstrip().splitlines()[-1].endswith("expected its calls under if __name__ == '__main__':")
+        assert done.stderr.count("Traceback") == 1

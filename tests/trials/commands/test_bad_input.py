@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import json
 import sqlite3
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -66,6 +68,12 @@ def make_run(folder: Path) -> None:
     ("words", "expected"),
     [
         (["rnu"], ["rnu", "'run'"]),
+        ([*RUN, "--set", f"herd.count={'[' * 3000}"], ["[[[", "…", "is not a TOML value"]),
+        ([*RUN, "--set", f"herd.count={'9' * 5000}"], ["999", "…", "is not a TOML value"]),
+        ([*RUN, "--only", "9" * 5000], ["--only", "expected numbers and ranges of trials"]),
+        ([*RUN, "--law", "/dev/zero"], ["/dev/zero", "is no file"]),
+        ([*RUN, "--out", "new\udcff"], ["new\\udcff", "expected a name in UTF-8"]),
+        (["report", "new\udcff"], ["new\\udcff", "expected a name in UTF-8"]),
         (["fly"], ["fly", "list, laws, show, run"]),
         (["run"], ["experiment"]),
         (["run", "vicsek-transition", "--scans", "all"], ["--scans", "no lasers"]),
@@ -322,6 +330,47 @@ def test_a_folder_that_holds_another_run_stays_as_it_is(refused, tmp_path: Path)
     line = refused(*RUN, "--repeats", "1", "--out", "out")
     assert "out holds a run" in line
     assert "herd resume out" in line
+
+
+def test_a_world_is_not_written_over_a_file(refused, tmp_path: Path) -> None:
+    (tmp_path / "world.xml").write_text("mine")
+    assert "there is such a file" in refused("world", "detection-case-study", "--out", "world.xml")
+    assert (tmp_path / "world.xml").read_text() == "mine"
+
+
+def test_a_locked_results_file_is_not_called_damaged(refused, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    make_run(tmp_path / "run")
+    connect = sqlite3.connect
+    monkeypatch.setattr(sqlite3, "connect", lambda *given, **how: connect(*given, **{**how, "timeout": 0.0}))
+    lock = connect(tmp_path / "run" / "results.sqlite", isolation_level=None)
+    lock.execute("BEGIN EXCLUSIVE")
+    line = refused("report", "run")
+    lock.close()
+    assert "another process has locked it" in line
+    assert "damaged" not in line
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"seed": "1"}, "seed = '1'"),
+        ({"groups": 3}, "not iterable"),
+        ({"conditions": [1]}, "conditions = "),
+        ({"setup": {"duration_s": [1.0]}}, "duration_s = "),
+        ({"world": "\x1b[31mred"}, "control characters"),
+    ],
+)
+def test_a_run_file_with_other_types_is_damaged(refused, tmp_path: Path, change: dict[str, Any], words: str) -> None:
+    make_run(tmp_path / "run")
+    path = tmp_path / "run" / "run.json"
+    run = json.loads(path.read_text())
+    run["trials"][0] |= change
+    path.write_text(json.dumps(run))
+    for command in ("report", "resume"):
+        line = refused(command, "run")
+        assert "run.json is damaged" in line
+        assert words in line
+        assert "\x1b" not in line
 
 
 def test_a_folder_that_cannot_be_made(refused, tmp_path: Path) -> None:
