@@ -212,7 +212,8 @@ def workers() -> list[Figure]:
     def rate(jobs: int) -> float:
         trials = [dataclasses.replace(herd_of(6, seconds=BATCH_SECONDS), index=i + 1) for i in range(BATCH_TRIALS)]
         with tempfile.TemporaryDirectory() as folder:
-            kept = store.create(Path(folder) / "run", {"experiment": "bench", "trials": []}, {})
+            run = {"experiment": "bench", "trials": [trial.as_dict() for trial in trials]}
+            kept = store.create(Path(folder) / "run", run, {})
             clock = Clock()
             run_batch(trials, kept, clock, jobs=jobs, work=Work())
         first = 2 * jobs

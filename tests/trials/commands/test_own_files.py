@@ -124,6 +124,7 @@ def test_laws_that_bring_their_herds_are_told_to_do_so(own: Path) -> None:
     for told in ("herd.law", "timestep_s (0.2 to 1)", "formation.spacing_m (0.5 to 1.5)", "herd.speed_m_s"):
         assert told in note
     shared = {"timestep_s": 1.0, "formation.spacing_m": 1.0, "herd.speed_m_s": 0.1, "herd.cruise_m_s": 0.1, "cut_m": 1}
+    shared["updating"] = "forward"
     assert design.plan("my_test.py", settings={**shared, "world": "unbounded"}).notes == []
     assert design.plan("detection-case-study", sweep={"herd.law": ["snn", "vicsek"]}).notes == [
         "herd.law.exclusion_m is left out: the law has no parameter exclusion_m"

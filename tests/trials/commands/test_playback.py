@@ -81,6 +81,6 @@ def test_the_web_viewer_stands_in_where_there_is_no_display(
 
 def test_the_viewer_sends_no_statistics(monkeypatch: pytest.MonkeyPatch) -> None:
     seen: dict[str, Any] = {}
-    monkeypatch.setattr("subprocess.Popen", lambda command, env: seen.update(env))
+    monkeypatch.setattr("subprocess.Popen", lambda command, env, **how: seen.update(env))
     playback._started(["rerun"])
     assert seen["CI"]

@@ -100,8 +100,9 @@ def _words(run: Run, experiment: str, arm: Mapping[str, Any], besides: Collectio
     settings: dict[str, Any] = {}
     for _ in range(2):  # names first: a law's parameters are known once it is put in
         try:
-            wanted = _settings(_of_arm(run, arm)[:1], besides, by_repeat=False)
-            given = _settings(plan(experiment, repeats=1, settings=settings).trials[:1], besides, by_repeat=False)
+            mine, planned = _of_arm(run, arm)[0], plan(experiment, repeats=1, settings=settings).trials[0]
+            another = ("formation",) if mine.formation != planned.formation else ()  # its parameters are others too
+            wanted, given = (_settings([t], (*besides, *another), by_repeat=False) for t in (mine, planned))
         except InputError:  # a file of the user's own is no longer there, or is not executed
             return []
         settings |= {key: value for key, value in wanted.items() if key in given and given[key] != value}

@@ -130,7 +130,7 @@ def test_what_cannot_be_is_refused_in_one_line(
 
 def test_a_worker_needs_neither_mujoco_nor_rerun(tmp_path: Path) -> None:
     code = (
-        "import sys; from trials.batch import store, worker; from trials.design import plan;"
+        "import sys; from trials.batch import folders, worker; from trials.design import plan;"
         "worker.import_for(['kinematic']);"
         "trial = plan('lch-table-4-1', settings={'steps': 2}).trials[0];"
         "output = worker.run_and_write(trial.as_dict(), 'some', folders.NO_FILES);"
