@@ -135,6 +135,7 @@ def send_scans(recording: rr.RecordingStream, result: TrialResult) -> None:
             recording.log(entity, rr.Points2D.from_fields(radii=[0.012], draw_order=8.0), static=True)
         for first in range(0, len(mine), SCANS_AT_ONCE):
             _some_scans(recording, entity, scans, mine[first : first + SCANS_AT_ONCE], directions)
+            recording.flush()  # what is sent waits in memory until it is written
 
 
 def _some_scans(
