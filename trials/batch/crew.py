@@ -29,6 +29,8 @@ POLL_S = 0.25
 """Wall time between two looks at the workers."""
 BREAKS = 3
 """How many workers in a row may die before one is ready."""
+ENDING_S = 5.0
+"""Wall time that a worker may take to end once its pipe is closed."""
 NO_MAIN_GUARD = 79
 """Exit code of a worker whose import of the user's own script came to start a batch."""
 SHORT_S = 0.5
@@ -165,7 +167,8 @@ class Crew:
                 _begins(worker)
                 yield Ended(task, answer)
         except (EOFError, OSError):  # it died, perhaps in the middle of an answer
-            worker.process.join()
+            worker.process.join(ENDING_S)
+            worker.process.kill()  # it lives on only where something in it has closed the pipe
 
     def _buried(self, worker: _Worker, waiting: deque[Task]) -> Iterator[Ended]:
         """Puts the tasks of a dead worker back, but for the one that it was at."""
