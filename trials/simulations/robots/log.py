@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from flocking.types import Bools, Floats, Ints, Motion
+from flocking.types import Bools, Floats, Motion
 from sensing.types import Detection, Scan
-from trials.spool import Rows
+from trials.spool import Column, Rows
 from trials.types import Contacts, Scans, Trial, TrialResult, Updates
 
 SAMPLE_S = 0.1
@@ -19,24 +18,13 @@ SAMPLE_S = 0.1
 SCANS_EVERY_S = 0.5
 """Time between the scans of one robot that a recording keeps by default (2 Hz)."""
 PACKED_AT = 4096
-"""Updates that wait as rows: then arrays are made of them, which take a fifth of the memory."""
-
-
-class Block(NamedTuple):
-    """Some updates as arrays."""
-
-    table: Floats
-    """(U, 14) time, robot, kind, rule, motion (2), pose (3), command (2), beams lit, missed and made up."""
-    counts: Ints
-    """(U,) inputs."""
-    positions: NDArray[np.float32]
-    """(K, 2) of the inputs."""
-    owners: NDArray[np.int16]
-    """(K,)."""
-    selected: Bools
-    """(K,)."""
-    states: NDArray[np.int8]
-    """(U, N)."""
+"""Updates and samples that wait as rows: then arrays are made of them, which take a fifth of the memory."""
+SAMPLED: dict[str, tuple[Any, int]] = {
+    "poses_w": (np.float64, 3),
+    "odometry": (np.float64, 3),
+    "bumpers": (np.bool_, 2),
+}
+"""Type and width of what a sample holds of each robot."""
 
 
 @dataclass
@@ -47,19 +35,16 @@ class Log:
     robots: int
     keep_scans: str
     """`none`, `some` (2 Hz) or `all`."""
-    times: list[float] = field(default_factory=list)
-    poses_w: list[Floats] = field(default_factory=list)
-    odometry: list[Floats] = field(default_factory=list)
-    bumpers: list[Bools] = field(default_factory=list)
+    folder: Path | None = None
+    """Where long columns and the numbers of scans are kept; None: where the system keeps temporary files."""
+    samples: list[tuple[float, Floats, Floats, Bools]] = field(default_factory=list)
     updates: list[tuple[float, ...]] = field(default_factory=list)
     inputs: list[Floats] = field(default_factory=list)
     owners: list[Any] = field(default_factory=list)
     selected: list[Bools] = field(default_factory=list)
     states: list[Any] = field(default_factory=list)
-    blocks: list[Block] = field(default_factory=list)
-    scans: list[tuple[float, int, Floats]] = field(default_factory=list)
-    folder: Path | None = None
-    """Where the numbers of scans are kept; None: where the system keeps temporary files."""
+    scans: list[tuple[float, ...]] = field(default_factory=list)
+    _columns: dict[str, Column] = field(default_factory=dict)
     _angles: Floats | None = None
     _ranges: Rows | None = None
     _intensities: Rows | None = None
@@ -67,10 +52,9 @@ class Log:
 
     def sample(self, time: float, poses_w: Floats, odometry: Floats, bumpers: Bools) -> None:
         """Adds the true state at one moment."""
-        self.times.append(time)
-        self.poses_w.append(poses_w.copy())
-        self.odometry.append(odometry.copy())
-        self.bumpers.append(bumpers.copy())
+        self.samples.append((time, poses_w.copy(), odometry.copy(), bumpers.copy()))
+        if len(self.samples) == PACKED_AT:
+            self._pack_samples()
 
     def update(
         self,
@@ -105,7 +89,7 @@ class Log:
         self.selected.append(selected)
         self.states.append(states)
         if len(self.updates) == PACKED_AT:
-            self._pack()
+            self._pack_updates()
 
     def scan(self, time: float, robot: int, pose_w: Floats, scan: Scan) -> None:
         """Keeps a scan for the recording. Raises `StorageError` if the disk does not take it."""
@@ -116,7 +100,9 @@ class Log:
                 Rows(width, self.folder),
                 Rows(width, self.folder),
             )
-        self.scans.append((time, robot, pose_w.copy()))
+        self.scans.append((time, robot, *pose_w.tolist()))
+        if len(self.scans) == PACKED_AT:
+            self._pack_scans()
         self._ranges.append(scan.ranges)
         self._intensities.append(scan.intensities)
 
@@ -142,12 +128,14 @@ class Log:
         timing: dict[str, float],
     ) -> TrialResult:
         """Everything as arrays; measures are left empty."""
+        self._pack_samples()
+        self._pack_updates()
         return TrialResult(
             trial=self.trial,
-            times=np.array(self.times),
-            poses_w=_unwrapped(np.array(self.poses_w).reshape(-1, self.robots, 3)),
-            odometry=np.array(self.odometry).reshape(-1, self.robots, 3),
-            bumpers=np.array(self.bumpers, dtype=np.bool_).reshape(-1, self.robots, 2),
+            times=self._whole("sample_times"),
+            poses_w=_unwrapped(self._whole("sample_poses_w")),
+            odometry=self._whole("sample_odometry"),
+            bumpers=self._whole("sample_bumpers"),
             robot_names=names,
             radii=radii,
             rules=rules,
@@ -162,54 +150,60 @@ class Log:
             timing=timing,
         )
 
-    def _pack(self) -> None:
-        """Makes a block of the updates that wait."""
-        self.blocks.append(
-            Block(
-                np.array(self.updates, dtype=np.float64).reshape(-1, 14),
-                np.array([len(rows) for rows in self.inputs], dtype=np.int64),
-                np.concatenate([np.empty((0, 2)), *self.inputs]).astype(np.float32),
-                np.concatenate([np.empty(0), *self.owners]).astype(np.int16),
-                np.concatenate([np.empty(0, np.bool_), *self.selected]),
-                np.array(self.states, dtype=np.int8).reshape(-1, self.robots),
-            )
-        )
+    def _pack_samples(self) -> None:
+        """Makes arrays of the samples that wait."""
+        self._add("sample_times", np.float64, (), [row[0] for row in self.samples])
+        for at, (name, (dtype, width)) in enumerate(SAMPLED.items(), start=1):
+            self._add(f"sample_{name}", dtype, (self.robots, width), [row[at] for row in self.samples])
+        self.samples.clear()
+
+    def _pack_updates(self) -> None:
+        """Makes arrays of the updates that wait."""
+        table = np.array(self.updates, dtype=np.float64).reshape(-1, 14)
+        self._add("times", np.float64, (), table[:, 0])
+        for name, at in (("robots", 1), ("kinds", 2), ("rules", 3)):
+            self._add(name, np.int64, (), table[:, at])
+        for name, first, last in (("motions", 4, 6), ("poses_w", 6, 9), ("commands", 9, 11)):
+            self._add(name, np.float64, (last - first,), table[:, first:last])
+        for name, at in (("beams_lit", 11), ("beams_missed", 12), ("beams_made_up", 13)):
+            self._add(name, np.int64, (), table[:, at])
+        self._add("counts", np.int64, (), [len(rows) for rows in self.inputs])
+        self._add("input_positions", np.float32, (2,), np.concatenate([np.empty((0, 2)), *self.inputs]))
+        self._add("input_owners", np.int16, (), np.concatenate([np.empty(0), *self.owners]))
+        self._add("input_selected", np.bool_, (), np.concatenate([np.empty(0, np.bool_), *self.selected]))
+        self._add("member_states", np.int8, (self.robots,), self.states)
         for rows in (self.updates, self.inputs, self.owners, self.selected, self.states):
             rows.clear()
 
+    def _pack_scans(self) -> None:
+        """Makes arrays of where and when the scans were taken that wait."""
+        table = np.array(self.scans, dtype=np.float64).reshape(-1, 5)
+        self._add("scan_times", np.float64, (), table[:, 0])
+        self._add("scan_robots", np.int64, (), table[:, 1])
+        self._add("scan_poses_w", np.float64, (3,), table[:, 2:])
+        self.scans.clear()
+
+    def _add(self, name: str, dtype: Any, shape: tuple[int, ...], block: Any) -> None:
+        if name not in self._columns:
+            self._columns[name] = Column(dtype, shape, self.folder)
+        self._columns[name].append(block)
+
+    def _whole(self, name: str) -> Any:
+        return self._columns.pop(name).whole()
+
     def _updates(self) -> Updates:
-        self._pack()
-        whole_blocks = zip(*self.blocks, strict=True)
-        table, counts, positions, owners, selected, states = (np.concatenate(parts) for parts in whole_blocks)
-        self.blocks.clear()
-        starts = np.zeros(len(counts) + 1, dtype=np.int64)
-        np.cumsum(counts, out=starts[1:])
-        whole = table[:, [1, 2, 3, 11, 12, 13]].astype(np.int64)
-        return Updates(
-            times=table[:, 0].copy(),
-            robots=whole[:, 0].copy(),
-            kinds=whole[:, 1].copy(),
-            rules=whole[:, 2].copy(),
-            motions=table[:, 4:6].copy(),
-            poses_w=table[:, 6:9].copy(),
-            commands=table[:, 9:11].copy(),
-            input_starts=starts,
-            input_positions=positions,
-            input_owners=owners,
-            input_selected=selected,
-            member_states=states,
-            beams_lit=whole[:, 3].copy(),
-            beams_missed=whole[:, 4].copy(),
-            beams_made_up=whole[:, 5].copy(),
-        )
+        starts = np.append(0, np.cumsum(self._whole("counts")))
+        others = {part.name: self._whole(part.name) for part in fields(Updates) if part.name != "input_starts"}
+        return Updates(input_starts=starts, **others)
 
     def _scans(self) -> Scans | None:
         if self._angles is None or self._ranges is None or self._intensities is None:
             return None
+        self._pack_scans()
         return Scans(
-            times=np.array([row[0] for row in self.scans]),
-            robots=np.array([row[1] for row in self.scans], dtype=np.int64),
-            poses_w=np.array([row[2] for row in self.scans]),
+            times=self._whole("scan_times"),
+            robots=self._whole("scan_robots"),
+            poses_w=self._whole("scan_poses_w"),
             angles=self._angles,
             ranges=self._ranges,
             intensities=self._intensities,

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -29,6 +30,8 @@ GROUP_CUT_M = 1.32
 """Members farther apart belong to different groups (single linkage). Choice: twice the repulsion distance of
 two body-lengths, so that one member missing from a chain does not break it."""
 
+UPDATES_AT_ONCE = 16384
+"""Updates whose inputs are taken together, so that a long trial takes no more memory than a short one."""
 
 ABOUT: dict[str, Measure] = {
     "none_share": Measure("", "share of updates in which no input was let through to the law (last command kept)"),
@@ -145,17 +148,25 @@ def way_point_angles(updates: Updates) -> Floats:
 def nearest_inputs(updates: Updates) -> Floats:
     """(U, 2) the input nearest to the focal member at each update, m, body frame; nan where there is none."""
     nearest = np.full((len(updates.times), 2), np.nan)
-    counts = np.diff(updates.input_starts)
-    some = np.flatnonzero(counts)
-    if len(some) == 0:
-        return nearest
-    positions = updates.input_positions.astype(np.float64)
-    squared = np.einsum("ki,ki->k", positions, positions)
-    starts = updates.input_starts[some]
-    least = np.minimum.reduceat(squared, starts)
-    candidates = np.flatnonzero(squared == np.repeat(least, counts[some]))
-    nearest[some] = positions[candidates[np.searchsorted(candidates, starts)]]
+    for updates_now, inputs_now in _pieces(updates):
+        counts = np.diff(updates.input_starts[updates_now.start : updates_now.stop + 1])
+        some = np.flatnonzero(counts)
+        if len(some) == 0:
+            continue
+        positions = updates.input_positions[inputs_now].astype(np.float64)
+        squared = np.einsum("ki,ki->k", positions, positions)
+        starts = updates.input_starts[updates_now][some] - inputs_now.start
+        least = np.minimum.reduceat(squared, starts)
+        candidates = np.flatnonzero(squared == np.repeat(least, counts[some]))
+        nearest[updates_now][some] = positions[candidates[np.searchsorted(candidates, starts)]]
     return nearest
+
+
+def _pieces(updates: Updates) -> Iterator[tuple[slice, slice]]:
+    """The rows of updates and of their inputs, piece by piece."""
+    for first in range(0, len(updates.times), UPDATES_AT_ONCE):
+        last = min(first + UPDATES_AT_ONCE, len(updates.times))
+        yield slice(first, last), slice(int(updates.input_starts[first]), int(updates.input_starts[last]))
 
 
 def rule_is(result: TrialResult, name: str) -> Bools:
@@ -240,10 +251,8 @@ def _detection(updates: Updates, robots: int) -> dict[str, Any]:
     counts = np.diff(updates.input_starts)
     made_up = updates.input_owners < 0
     lit, unmade, false = (int(x.sum()) for x in (updates.beams_lit, updates.beams_missed, updates.beams_made_up))
-    of_update = np.repeat(np.arange(len(counts)), counts)
-    with_made_up = np.zeros(len(counts), dtype=bool)
-    with_made_up[of_update[made_up]] = True
-    quartiles = _seen_distances(updates, of_update, robots)
+    with_made_up = np.diff(np.append(0, np.cumsum(made_up))[updates.input_starts]) > 0
+    quartiles = _seen_distances(updates, robots)
     return {
         "fn_share": _ratio(missed, missed + int(detected.sum())),
         "fn_beam_share": _ratio(unmade, lit),
@@ -259,18 +268,21 @@ def _detection(updates: Updates, robots: int) -> dict[str, Any]:
     }
 
 
-def _seen_distances(updates: Updates, of_update: Ints, robots: int) -> Floats:
+def _seen_distances(updates: Updates, robots: int) -> Floats:
     """(3,) quartiles of the distance to the inputs, m; the inputs of one owner in one update count once, by
     their mean distance (those of nobody as well), so that the number of readings a member makes has no
     weight."""
-    if len(of_update) == 0:
-        return np.full(3, np.nan)
-    positions = updates.input_positions.astype(np.float64)
-    distances = np.sqrt(np.einsum("ki,ki->k", positions, positions))
-    key = of_update * (robots + 1) + updates.input_owners + 1
-    counts = np.bincount(key)
-    seen = counts > 0
-    return np.quantile(np.bincount(key, distances)[seen] / counts[seen], (0.25, 0.5, 0.75))
+    means = []
+    for updates_now, inputs_now in _pieces(updates):
+        counts = np.diff(updates.input_starts[updates_now.start : updates_now.stop + 1])
+        positions = updates.input_positions[inputs_now].astype(np.float64)
+        distances = np.sqrt(np.einsum("ki,ki->k", positions, positions))
+        key = np.repeat(np.arange(len(counts)), counts) * (robots + 1) + updates.input_owners[inputs_now] + 1
+        inputs = np.bincount(key)
+        seen = inputs > 0
+        means.append(np.bincount(key, distances)[seen] / inputs[seen])
+    distances = np.concatenate(means) if means else np.empty(0)
+    return np.quantile(distances, (0.25, 0.5, 0.75)) if len(distances) else np.full(3, np.nan)
 
 
 def _formation(result: TrialResult) -> dict[str, Any]:
