@@ -94,13 +94,14 @@ def above(
     scale: float,
     decides: bool = True,
     bounds: tuple[float, float] = (-math.inf, math.inf),
+    exact: bool = False,
 ) -> Outcome:
     """The outcome that values lie above a threshold: not below it. `scale` is the margin shown.
 
     `bounds`: between which values can lie at all; the interval shown ends there. Where the threshold or the values lie
-    near one of them, the test is exact.
+    near one of them, the test is exact, as it is with `exact`.
     """
-    exact = statistics.near_a_bound(np.array([threshold]), bounds) or statistics.near_a_bound(values, bounds)
+    exact = exact or statistics.near_a_bound(np.array([threshold]), bounds) or statistics.near_a_bound(values, bounds)
     decision = statistics.exceeds(values, threshold, exact=exact)
     shown = decision._replace(low=max(decision.low, bounds[0]), high=min(decision.high, bounds[1]))
     return Outcome(

@@ -26,7 +26,17 @@ from trials.studies.information.environment_design import (
     bumper_control,
     cell,
 )
-from trials.studies.information.law_judges import IN_WORDS, MARGINS, WORDS, Cell, gain, held_in_all, no_worse, verdict
+from trials.studies.information.law_judges import (
+    IN_WORDS,
+    MARGINS,
+    WORDS,
+    Cell,
+    gain,
+    held_in_all,
+    no_worse,
+    tested_exactly,
+    verdict,
+)
 from trials.studies.information.law_survey import CONTROL, LAW, ORDER, SHARE, SPREAD
 
 MEASURES = (SHARE, ORDER, SPREAD)
@@ -101,9 +111,11 @@ def contact(cells: Cells, settings: Sequence[Setting]) -> list[Outcome]:
     spacing_m, found = law_survey.herd_of(BUMPER).spacing_m, []
     for setting in settings:
         for name in MEASURES:
-            values = gain(cells, name, cell_of(BUMPER, setting), control_of(setting), spacing_m)
+            compared = cell_of(BUMPER, setting), control_of(setting)
+            values, exact = gain(cells, name, *compared, spacing_m), tested_exactly(cells, name, *compared)
             label = f"{setting.words()}: {WORDS[name]}, less random motion"
-            found.append(above(label, values, MARGINS[name], MARGINS[name], decides=name in FLOCKING))
+            margin, decides = MARGINS[name], name in FLOCKING
+            found.append(above(label, values, margin, margin, decides=decides, exact=exact))
     return found
 
 

@@ -1,7 +1,8 @@
 """Whether a law's herd still flocks in one condition: against itself in the best one, and against random motion.
 
 The margins are choices: 0.15 of the largest group's share or of polarization; of MMD, a quarter of the spacing at the
-herd's start. All tests are on differences of trials of one repeat, which share their start; every one must hold.
+herd's start. All tests are on differences of trials of one repeat, which share their start; every one must hold. Where
+a share or a polarization lies near 0 or 1 in one of the two cells, the test is exact, of the median.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from trials.studies.information.law_survey import ORDER, SHARE, SPREAD
 MARGINS = {SHARE: 0.15, ORDER: 0.15, SPREAD: 0.25}
 IN_WORDS = (
     f"margins: {MARGINS[SHARE]:g} of the share, {MARGINS[ORDER]:g} of the polarization, {MARGINS[SPREAD]:g} spacings "
-    "of the MMD"
+    "of the MMD; where a share or a polarization lies near 0 or 1, exact tests of the median"
 )
 WORDS = {SHARE: "largest group's share", ORDER: "polarization", SPREAD: "MMD in spacings, taken off"}
 Cell = tuple[object, ...]
@@ -34,24 +35,37 @@ def gain(cells: Cells, measure: str, cell: Cell, other: Cell, spacing_m: float) 
     return -difference / spacing_m if measure == SPREAD else difference
 
 
+def tested_exactly(cells: Cells, measure: str, *compared: Cell) -> bool:
+    """Whether differences between cells are to be tested exactly: of what lies between 0 and 1, near one of them."""
+    return measure != SPREAD and any(statistics.near_a_bound(cells.array(measure, *cell)) for cell in compared)
+
+
 def alike(cells: Cells, measures: Sequence[str], cell: Cell, best: Cell, spacing_m: float) -> list[Outcome]:
     """That a herd flocks as much in one cell as in the best one, neither less nor more."""
-    return [same(WORDS[name], gain(cells, name, cell, best, spacing_m), MARGINS[name]) for name in measures]
+    found = []
+    for name in measures:
+        exact = tested_exactly(cells, name, cell, best)
+        found.append(same(WORDS[name], gain(cells, name, cell, best, spacing_m), MARGINS[name], exact=exact))
+    return found
 
 
 def no_worse(cells: Cells, measures: Sequence[str], cell: Cell, best: Cell, spacing_m: float) -> list[Outcome]:
     """That a herd does not flock less than in the best cell by as much as a margin."""
-    return [
-        above(WORDS[name], gain(cells, name, cell, best, spacing_m), -MARGINS[name], MARGINS[name]) for name in measures
-    ]
+    found = []
+    for name in measures:
+        exact, margin = tested_exactly(cells, name, cell, best), MARGINS[name]
+        found.append(above(WORDS[name], gain(cells, name, cell, best, spacing_m), -margin, margin, exact=exact))
+    return found
 
 
 def better(cells: Cells, measures: Sequence[str], cell: Cell, control: Cell, spacing_m: float) -> list[Outcome]:
     """That a herd flocks more than its control."""
-    return [
-        more(f"{WORDS[name]}, against random motion", gain(cells, name, cell, control, spacing_m), 0.0)
-        for name in measures
-    ]
+    found = []
+    for name in measures:
+        exact = tested_exactly(cells, name, cell, control)
+        label = f"{WORDS[name]}, against random motion"
+        found.append(more(label, gain(cells, name, cell, control, spacing_m), 0.0, exact=exact))
+    return found
 
 
 def verdict(outcomes: Sequence[Outcome]) -> bool | None:
