@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from flocking.errors import StorageError
 
-IN_MEMORY_BYTES = 4_000_000
+IN_MEMORY_BYTES = 1_000_000
 """A column above this size goes to a file, so that a trial's memory does not grow with its length."""
 
 
