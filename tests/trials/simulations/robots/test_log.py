@@ -14,9 +14,9 @@ from trials.simulations.robots.log import Log
 
 ROBOTS, INPUTS, STEPS = 25, 6, 14_000
 MOST_BYTES = 20e6
-"""What a log may hold after any time: the rows that wait (up to 4096 of each kind) and a megabyte of each column (measured:
-13 to 16 MB at 8000 and at 14,000 steps). In memory the 14,000 samples and 70,000 updates would be 35 MB as arrays, five
-times that as rows."""
+"""What a log may hold after any time: the rows that wait (up to 4096 of each kind) and a megabyte of each column
+(measured: 13 to 16 MB at 8000 and at 14,000 steps). In memory the 14,000 samples and 70,000 updates would be 35 MB as
+arrays, five times that as rows."""
 
 
 def test_a_long_trial_lies_in_files_and_comes_back_whole(tmp_path: Path) -> None:
