@@ -12,7 +12,18 @@ from importlib import resources
 from typing import Any, NamedTuple
 
 from trials.evidence.outcomes import Outcome, decided_by_all
-from trials.evidence.runs import Cells, Run, UndecidedError, arms
+from trials.evidence.runs import CellName, Cells, Run, UndecidedError, arms
+
+
+class Look(NamedTuple):
+    """A claim at one look of a run until decided, in the unit of its quantity."""
+
+    n: int
+    measured: float
+    low: float
+    high: float
+    """The interval holds at all looks together."""
+    agrees: bool | None
 
 
 @dataclass(frozen=True)
@@ -44,12 +55,18 @@ class Entry:
     """All that was tested, of which `measured` is the one that the verdict hangs on."""
     words: tuple[str, ...] = ()
     """Of the command of `herd` that makes the trials which an undecided claim needs; empty where there is none."""
+    cells: frozenset[CellName] = frozenset()
+    """What it was judged on."""
+    looks: tuple[Look, ...] = ()
+    """Of a run until decided: the claim at each look so far."""
 
     def as_json(self) -> dict[str, Any]:
         """As `herd report --json` prints it; nan becomes null."""
         names = ("source", "quantity", "published", "measured", "low", "high", "n", "agrees", "test", "margin")
         told = {name: _plain(getattr(self, name)) for name in (*names, "effect", "claim")}
         told |= {"power": _plain(self.power)} if math.isfinite(self.power) else {}
+        if self.looks:
+            told["looks"] = [{name: _plain(value) for name, value in look._asdict().items()} for look in self.looks]
         return told | ({"arm": dict(self.arm)} if self.arm else {})
 
 
@@ -131,7 +148,7 @@ def answered(question: Question, used: Sequence[Cells], arm: Mapping[str, Any]) 
     try:
         judged = question.judge()
     except UndecidedError as why:
-        return _undecided(question, why, arm)
+        return _undecided(question, why, arm, used)
     shown, failed = judged.shown, sum(cells.failed() for cells in used)
     left_out = f"; {failed} failed trial{'s' if failed > 1 else ''} left out" if failed else ""
     measured, low, high, margin = shown.shown()
@@ -151,10 +168,11 @@ def answered(question: Question, used: Sequence[Cells], arm: Mapping[str, Any]) 
         effect=shown.decision.effect,
         arm=arm,
         outcomes=tuple(judged.outcomes),
+        cells=_read(used),
     )
 
 
-def _undecided(question: Question, why: UndecidedError, arm: Mapping[str, Any]) -> Entry:
+def _undecided(question: Question, why: UndecidedError, arm: Mapping[str, Any], used: Sequence[Cells]) -> Entry:
     """The entry of a question that the run cannot answer."""
     nan = math.nan
     return Entry(
@@ -171,7 +189,12 @@ def _undecided(question: Question, why: UndecidedError, arm: Mapping[str, Any]) 
         margin=nan,
         arm=arm,
         words=why.words,
+        cells=_read(used),
     )
+
+
+def _read(used: Sequence[Cells]) -> frozenset[CellName]:
+    return frozenset(name for cells in used for name in cells.names())
 
 
 def _published(question: Question) -> float | str:

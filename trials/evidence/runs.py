@@ -12,6 +12,9 @@ import numpy as np
 from flocking.types import Floats
 from trials.types import Trial, TrialResult
 
+CellName = tuple[str, tuple[tuple[str, Any], ...]]
+"""A cell of a run: the experiment, and all conditions of its trials."""
+
 
 class FinishedTrial(Protocol):
     """A row of a run's results (as `trials.batch.store.Row`)."""
@@ -73,15 +76,21 @@ class Cells:
         self.trials = list(trials)
         finished = {row.index: row for row in rows}
         self._planned: dict[tuple[Any, ...], dict[int, FinishedTrial | None]] = {}
+        self._names: dict[tuple[Any, ...], set[CellName]] = {}
         for trial in self.trials:
             cell = tuple(trial.conditions.get(key) for key in self.keys)
             self._planned.setdefault(cell, {})[trial.repeat] = finished.get(trial.index)
+            self._names.setdefault(cell, set()).add((trial.experiment, tuple(trial.conditions.items())))
         self.used: set[tuple[Any, ...]] = set()
         """Cells that were asked for since the last `begin`."""
 
     def begin(self) -> None:
         """Forgets which cells were asked for."""
         self.used.clear()
+
+    def names(self) -> set[CellName]:
+        """The cells that were asked for since the last `begin`."""
+        return {name for cell in self.used for name in self._names.get(cell, ())}
 
     def planned(self) -> list[tuple[Any, ...]]:
         """All cells in the order of their first trials, finished or not."""

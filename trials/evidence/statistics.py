@@ -11,6 +11,9 @@ far off, and t takes a sample that lacks those few for a proof. No test of their
 a share that is 0 in one trial of twenty and 1 in all others has a mean of 0.95, and 0.95^7 = 70 % of all samples of
 seven are all 1.
 
+Within `looks.among` every test is that of one look among several: its p-values and its intervals are those of the whole
+procedure, and so are the verdicts.
+
 Sources: Student's t; sign test and interval of the median, Conover 1999, "Practical Nonparametric Statistics", sections
 3.2 and 3.4 (`scipy.stats.quantile_test`); two one-sided tests, Schuirmann 1987; intersection-union, Berger 1982; Holm
 1979; Hedges 1981.
@@ -26,6 +29,7 @@ import numpy as np
 from scipy import stats
 
 from flocking.types import Floats
+from trials.evidence.looks import nominal, overall
 
 ALPHA = 0.05
 """Level of every verdict."""
@@ -161,20 +165,21 @@ def _decided(
     values: Floats, p_holds: float, p_fails: float, threshold: float, confidence: float, exact: bool
 ) -> Decision:
     agrees = False if p_fails < ALPHA else True if p_holds < ALPHA else None
-    middle, low, high = (median_interval if exact else mean_interval)(values, confidence)
+    wide = 1.0 - 2.0 * nominal((1.0 - confidence) / 2.0)
+    middle, low, high = (median_interval if exact else mean_interval)(values, wide)
     return Decision(agrees, p_holds, p_fails, middle, low, high, len(values), hedges_g(values, threshold))
 
 
 def _p_above(values: Floats, bound: float, exact: bool) -> float:
-    """One-sided p-value for a mean, or a median, above `bound`; 1 below `FEWEST` values."""
+    """One-sided p-value for a mean, or a median, above `bound`, of all planned looks; 1 below `FEWEST` values."""
     mean, error, n = _mean_error(values)
     if n < FEWEST:
         return 1.0
     if exact:
-        return float(stats.binom.sf(int((values > bound).sum()) - 1, n, 0.5))
+        return overall(float(stats.binom.sf(int((values > bound).sum()) - 1, n, 0.5)))
     if error <= 1e-12 * max(1.0, abs(bound)):  # all alike, up to rounding
         return 0.0 if mean > bound else 1.0
-    return float(stats.t.sf((mean - bound) / error, n - 1))
+    return overall(float(stats.t.sf((mean - bound) / error, n - 1)))
 
 
 def _mean_error(values: Floats) -> tuple[float, float, int]:
