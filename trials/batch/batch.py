@@ -38,6 +38,9 @@ class Progress(Protocol):
     def ended(self, row: Row) -> None:
         """Counts one more trial that was kept."""
 
+    def goes_on(self, text: str, count: int) -> None:
+        """Shows a line on what came out so far, and that there are to be `count` trials in all."""
+
 
 @dataclass(frozen=True)
 class Work:
@@ -57,6 +60,8 @@ class Work:
     """Processor time that a trial may take."""
     law_limit_s: float = watch.STEP_LIMIT_S
     """Processor time within which a law must return."""
+    more: Callable[[], Sequence[Trial]] | None = None
+    """Called when all trials have ended: those to run then, until there are none."""
     still_s: float = STILL_S
     """Wall time that a trial may wait without using any processor time."""
 
@@ -79,7 +84,6 @@ def run_batch(trials: Sequence[Trial], store: Store, progress: Progress, *, jobs
     Raises `StorageError` if the disk does not take a result, and `InputError` if no worker can be started.
     """
     rows = list[Row]()
-    by_index = {trial.index: trial for trial in trials}
     with (
         _environment(worker.ONE_THREAD),
         _signals() as wake,
@@ -95,10 +99,13 @@ def run_batch(trials: Sequence[Trial], store: Store, progress: Progress, *, jobs
             if work.warm_up:
                 progress.say("compiling, where this machine has not yet")
                 _warm_up(workers, work, wake)
-            for ended in workers.run([_task(trial, store, work) for trial in trials], wake):
-                trial = by_index[ended.task.key]
-                rows.append(_keep(store, trial, _output(ended, trial, work)))
-                progress.ended(rows[-1])
+            while trials:
+                by_index = {trial.index: trial for trial in trials}
+                for ended in workers.run([_task(trial, store, work) for trial in trials], wake):
+                    trial = by_index[ended.task.key]
+                    rows.append(_keep(store, trial, _output(ended, trial, work)))
+                    progress.ended(rows[-1])
+                trials = work.more() if work.more is not None else []
         except Stopped as stop:
             return Summary(rows, stop.args[0])
     return Summary(rows)

@@ -52,6 +52,10 @@ class Lines:
     def say(self, text: str) -> None:
         print(text, file=sys.stderr, flush=True)
 
+    def goes_on(self, text: str, count: int) -> None:
+        self.count = count
+        self.say(text)
+
     def ended(self, row: Row) -> None:
         self.done += 1
         rate, now = self.rate.ended(), monotonic()
@@ -74,6 +78,10 @@ class _Bar:
 
     def say(self, text: str) -> None:
         self.bar.update(self.task, description=text)
+
+    def goes_on(self, text: str, count: int) -> None:
+        self.bar.console.print(text, markup=False, highlight=False)
+        self.bar.update(self.task, total=count)
 
     def ended(self, row: Row) -> None:
         if row.status != "done":

@@ -10,6 +10,7 @@ from typing import Any
 
 from flocking.errors import InputError, has_controls
 from trials.batch.folders import RUN, reading
+from trials.evidence.looks import MOST
 from trials.types import Group, Trial
 
 FORMAT = 3
@@ -46,6 +47,8 @@ def read(folder: Path) -> dict[str, Any]:
         for trial in run["trials"]:
             _check_types(Trial.from_dict(trial))
             _check_text({**trial, "groups": [{**group, "law_source": ""} for group in trial["groups"]]})
+        if run.get("until_decided") is not None:
+            _check_plan(run["until_decided"])
         _learn(run)
         return {**run, "experiment": str(run["experiment"])}
     except InputError:
@@ -62,6 +65,20 @@ def _learn(run: Mapping[str, Any]) -> None:
             from flocking.lawentry import learn
 
             learn(name, source, run["laws"][text_digest(source)])
+
+
+def _check_plan(plan: Mapping[str, Any]) -> None:
+    """Raises `ValueError` for a plan of a run until decided that was never laid down."""
+    looks, seconds, levels = plan["looks"], plan["seconds"], plan["levels"]
+    sound = all(type(look) is int for look in looks) and looks == sorted(set(looks)) and looks and looks[0] >= 1
+    if not sound or len(looks) > MOST:
+        raise ValueError(f"looks = {looks!r}: expected at most {MOST} increasing numbers of repeats")
+    numbers = [levels["two-sided"], levels["one-sided"], levels["of the whole"], seconds or 1.0]
+    if not all(isinstance(number, int | float) and number > 0.0 for number in numbers):
+        raise ValueError(f"levels = {levels!r}, seconds = {seconds!r}: expected numbers above 0")
+    for claim in plan["claims"]:
+        [(outcome["label"], outcome["threshold"], outcome["margin"]) for outcome in claim["outcomes"]]
+        str(claim["claim"])
 
 
 def _check_text(value: Any) -> None:
@@ -95,7 +112,7 @@ _TYPES: dict[type, dict[str, type]] = {
 _OF_RUN: dict[str, type] = {
     "experiment": _TEXT, "command": _TEXT, "repeats": _WHOLE, "seed": _WHOLE, "settings": _TABLE, "sweep": _TABLE,
     "record": _TEXT, "scans": _TEXT, "started": _TEXT, "versions": _TABLE, "commit": _TEXT, "sources": _TEXT,
-    "cpu": _TEXT, "system": _TEXT, "laws": _TABLE, "trials": list,
+    "cpu": _TEXT, "system": _TEXT, "laws": _TABLE, "trials": list, "until_decided": _TABLE,
 }  # fmt: skip
 
 

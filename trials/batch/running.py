@@ -10,19 +10,23 @@ import traceback
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
+from functools import partial
 from pathlib import Path
 from time import monotonic
+from types import ModuleType
 from typing import Any
 
 from flocking import lawdata, lawentry, users_files
 from flocking.errors import InputError
 from flocking.lawentry import is_path
 from trials import simulations
-from trials.batch import folders, machine, progress, runfile, store, worker
+from trials.batch import deciding, folders, machine, progress, runfile, store, worker
 from trials.batch.batch import Work, run_batch
 from trials.batch.crew import check_main_guard
+from trials.batch.deciding import NO_BUDGET, Budget
 from trials.batch.store import Row, Store
 from trials.design import DEFAULT_SEED, Plan, load, plan
+from trials.evidence.looks import planned_looks
 from trials.invoked import command, herd, spelled
 from trials.keys import AVOIDS
 from trials.types import Trial
@@ -52,6 +56,9 @@ class Asked:
     record: str | None = None
     """None: as the experiment says."""
     scans: str = "some"
+    until_decided: bool = False
+    """Whether repeats are added in blocks of `repeats` until each claim is decided."""
+    budget: Budget = NO_BUDGET
 
     def command(self) -> str:
         """The command that plans the same trials, whichever of them it then runs."""
@@ -67,6 +74,8 @@ class Asked:
             words += ["--set", f"{key}={spelled(value)}"]
         for key, values in self.sweep.items():
             words += ["--sweep", f"{key}={','.join(map(spelled, values))}"]
+        if self.until_decided:
+            words += ["--until-decided", *(["--budget", str(self.budget)] if self.budget != NO_BUDGET else [])]
         return shlex.join(words)
 
 
@@ -77,7 +86,7 @@ def planned(asked: Asked) -> tuple[Plan, list[Trial]]:
     """
     made = plan(
         asked.experiment,
-        repeats=asked.repeats,
+        repeats=looks_of(asked)[-1] if asked.until_decided else asked.repeats,
         seed=asked.seed,
         settings=asked.settings,
         sweep=asked.sweep,
@@ -94,6 +103,19 @@ def planned(asked: Asked) -> tuple[Plan, list[Trial]]:
     if not 1 <= asked.only[0] <= asked.only[-1] <= len(made.trials):
         raise InputError(f"--only {ranges(asked.only)!r}: expected trials from 1 to {len(made.trials)}")
     return made, [made.trials[index - 1] for index in asked.only]
+
+
+def looks_of(asked: Asked) -> tuple[int, ...]:
+    """Repeats at each look of a run until decided. Raises `InputError` where there is nothing to decide."""
+    module = load(asked.experiment)
+    if asked.only is not None:
+        raise InputError("--until-decided with --only: claims need all trials of their cells; expected one of the two")
+    if not hasattr(module, "claims"):
+        raise InputError(
+            f"--until-decided: experiment {asked.experiment!r} has no claims; expected --repeats N, or an experiment "
+            "with claims"
+        )
+    return planned_looks(asked.repeats or module.REPEATS, asked.budget.repeats)
 
 
 def record_of(experiment: str) -> str:
@@ -139,16 +161,22 @@ def start(asked: Asked, out: Path | None, jobs: int, report: Report) -> tuple[in
         "laws": declared_laws(chosen),
         "trials": [trial.as_dict() for trial in chosen],
     }
+    experiment = load(asked.experiment)
     with folders.new_folder(out, made.experiment) as folder:
+        if asked.until_decided:
+            looks = looks_of(asked)
+            run["until_decided"] = deciding.laid_down(folder, chosen, experiment, looks, asked.budget)
         kept = store.create(folder, run, code_of(chosen))
         try:
-            return _run_rest(kept, jobs, report), folder
+            return _run_rest(kept, jobs, report, experiment), folder
         finally:
             kept.close()
 
 
-def resume(folder: Path, jobs: int, report: Report) -> int:
+def resume(folder: Path, jobs: int, report: Report, experiment: str | None = None) -> int:
     """Runs the trials of a run that have not ended yet; returns the exit code.
+
+    `experiment`: the path of a user's own, whose claims say what is left of a run until decided.
 
     A trial that failed has ended, so the table is the same as if the run had not been interrupted. A trial whose worker
     died has not.
@@ -167,7 +195,8 @@ def resume(folder: Path, jobs: int, report: Report) -> int:
                 laws = ", ".join(str(folder / folders.CODE / name) for name in code)
                 print(f"note: runs the user's {laws}", file=sys.stderr)
             _tell_misfits(kept)
-            return _run_rest(kept, jobs, report)
+            module = deciding.experiment_of(kept, experiment) if "until_decided" in kept.run else None
+            return _run_rest(kept, jobs, report, module)
     finally:
         kept.close()
 
@@ -259,23 +288,31 @@ def ranges(indices: Sequence[int], between: str = ",") -> str:
     return between.join(str(a) if a == b else f"{a}-{b}" for a, b in parts)
 
 
-def _run_rest(kept: Store, jobs: int, report: Report) -> int:
-    """Runs the trials that have no row yet or whose worker died, and reports; returns the exit code."""
-    trials = kept.trials
+def _run_rest(kept: Store, jobs: int, report: Report, experiment: ModuleType | None) -> int:
+    """Runs the trials that have no row yet or whose worker died, and reports; returns the exit code.
+
+    Of a run until decided it runs those that the next look needs, look by look; `experiment` then has its claims.
+    """
     record, scans = kept.run.get("record"), kept.run.get("scans")
     if record not in RECORD or scans not in SCANS:
         raise InputError(f"{kept.folder / folders.RUN} is damaged: record {record!r}, scans {scans!r}")
-    recorded = {"all": trials, "first": trials[:1], "none": []}[record]
-    ended = {row.index for row in kept.rows() if not row.reason.startswith(store.DIED)}
-    left = [trial for trial in trials if trial.index not in ended]
+    recorded = {"all": kept.trials, "first": kept.trials[:1], "none": []}[record]
+    blocks = deciding.Blocks(kept, experiment) if "until_decided" in kept.run and experiment is not None else None
+    rows = kept.rows()
+    ended = {row.index for row in rows if not row.reason.startswith(store.DIED)}
+    wanted = kept.trials
+    if blocks is not None:
+        begun = {row.index for row in rows}
+        wanted = [*(trial for trial in wanted if trial.index in begun), *blocks.first()]
+    left = [trial for trial in wanted if trial.index not in ended]
     for trial in left:
         try:
             simulations.check(trial)
         except (TypeError, ValueError, KeyError, AttributeError) as error:
             raise InputError(f"{kept.folder / folders.RUN}: trial {trial.index}: {error}") from error
-    started, stopped, new = monotonic(), 0, 0
+    started, stopped, new, expected = monotonic(), 0, 0, len(wanted)
     if left:
-        with progress.shown(len(trials), len(ended)) as shown:
+        with progress.shown(expected, len(ended)) as shown:
             summary = run_batch(
                 left,
                 kept,
@@ -286,13 +323,15 @@ def _run_rest(kept: Store, jobs: int, report: Report) -> int:
                     recorded=frozenset(trial.index for trial in recorded),
                     imports=worker.imports_of(left),
                     warm_up=kinds(left),
+                    more=partial(blocks.next, shown) if blocks is not None else None,
                 ),
             )
         stopped, new = summary.stopped, len(summary.rows)
     rows = kept.rows()
     if stopped:
+        expected = max(expected, len(rows)) if blocks is None else blocks.expected
         print(
-            f"herd: stopped; {len(rows)} of {len(trials)} trials are kept in {kept.folder}; "
+            f"herd: stopped; {len(rows)} of {expected} trials are kept in {kept.folder}; "
             f"finish it with: {command('resume', str(kept.folder))}",
             file=sys.stderr,
         )

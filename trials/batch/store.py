@@ -16,7 +16,7 @@ from __future__ import annotations
 import json
 import shutil
 import sqlite3
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import closing, suppress
 from dataclasses import dataclass
 from functools import cached_property
@@ -126,6 +126,10 @@ class Store:
         if runfile.digest(held) != own:
             return f"its series is that of trial {held.index}, seed {held.seed}, of another run or other settings"
         return ""
+
+    def of(self, trials: Sequence[Trial]) -> Store:
+        """The same folder as that of a run of some of its trials alone."""
+        return Store(self.folder, {**self.run, "trials": [trial.as_dict() for trial in trials]}, self.connection)
 
     def rows(self) -> list[Row]:
         """The finished trials, by index, without those that do not fit the run."""

@@ -209,6 +209,9 @@ def workers() -> list[Figure]:
             """Notes the time."""
             self.times.append(perf_counter())
 
+        def goes_on(self, text: str, count: int) -> None:
+            """Shows nothing."""
+
     def rate(jobs: int) -> float:
         trials = [dataclasses.replace(herd_of(6, seconds=BATCH_SECONDS), index=i + 1) for i in range(BATCH_TRIALS)]
         with tempfile.TemporaryDirectory() as folder:

@@ -6,6 +6,7 @@ import io
 import os
 import sys
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -58,6 +59,9 @@ Settings = Annotated[
 ]
 Sweeps = Annotated[
     list[str] | None, Option("--sweep", metavar="KEY=A,B,C", help="Runs all of it for each value. May be repeated.")
+]
+OwnExperiment = Annotated[
+    Path | None, Option(metavar="FILE", help="Your own experiment's file, for its claims and figures.")
 ]
 
 
@@ -159,14 +163,23 @@ def run(
     sweep: Sweeps = None,
     dry_run: Annotated[bool, Option("--dry-run", help="Only shows what would run.")] = False,
     debug: Annotated[bool, Option("--debug", help="With --only K: runs it here and shows its traceback.")] = False,
+    until_decided: Annotated[
+        bool, Option("--until-decided", help="Adds repeats, block by block, until each claim is decided.")
+    ] = False,
+    budget: Annotated[
+        str | None,
+        Option(metavar="10m|N", help="With --until-decided: a time, or the most repeats; 8 blocks by default."),
+    ] = None,
 ) -> int:
     """Runs an experiment on all cores and reports.
 
     The exit code is 1 if a trial failed.
     """
-    from trials.batch import running
+    from trials.batch import deciding, running
     from trials.commands import lawcheck, listing, options
 
+    if budget is not None and not until_decided:
+        raise InputError(f"--budget {budget}: it is of --until-decided; expected both, or --repeats N")
     asked = running.Asked(
         experiment,
         repeats,
@@ -179,6 +192,8 @@ def run(
         options.only(only) if only is not None else None,
         record,
         scans,
+        until_decided,
+        deciding.budget(budget) if budget is not None else deciding.NO_BUDGET,
     )
     lawcheck.check_all(asked)
     if dry_run:
@@ -190,20 +205,19 @@ def run(
 
 
 @app.command()
-def resume(folder: Run = None, jobs: Jobs = None) -> int:
+def resume(folder: Run = None, jobs: Jobs = None, experiment: OwnExperiment = None) -> int:
     """Finishes an interrupted run."""
     from trials.batch import running
 
-    return running.resume(_run_folder(folder), jobs or _cores(), _report)
+    own = str(experiment) if experiment is not None else None
+    return running.resume(_run_folder(folder), jobs or _cores(), partial(_report, experiment=own), own)
 
 
 @app.command()
 def report(
     folder: Run = None,
     json: Annotated[bool, Option("--json", help="Prints the list of claims as JSON.")] = False,
-    experiment: Annotated[
-        Path | None, Option(metavar="FILE", help="Your own experiment's file, for its claims and figures.")
-    ] = None,
+    experiment: OwnExperiment = None,
 ) -> None:
     """Sets the published beside the measured.
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import math
 from collections import Counter
@@ -13,10 +14,12 @@ from flocking import users_files
 from flocking.errors import InputError, StorageError
 from flocking.found import is_path
 from trials import experiments
+from trials.batch import deciding
 from trials.batch.folders import newest
 from trials.batch.store import Store, opened
 from trials.evidence.claims import Entry
 from trials.evidence.summary import Cell, Mean, cells, mean, naming
+from trials.evidence.until_decided import Course, changed
 from trials.experiments import run_in
 from trials.invoked import command
 from trials.reports.wording import (
@@ -52,7 +55,11 @@ def report(folder: Path | None = None, as_json: bool = False, experiment: str | 
 
 def _told(store: Store, as_json: bool, experiment: str | None) -> str:
     module = _experiment(store.run["experiment"], experiment)
-    entries = run_in(module, "claims", store) if hasattr(module, "claims") else None
+    entries = run_in(module, "claims", store) if hasattr(module, "claims") and not _until(store) else None
+    if _until(store) and hasattr(module, "claims"):
+        state = deciding.course_of(store, module)
+        entries = list(state.entries) or run_in(module, "claims", store)
+        store = _so_far(store, state)
     found = cells(store, measures_of(store.trials))
     if as_json:
         told = [entry.as_json() for entry in entries or _of_cells(store.run["experiment"], found)]
@@ -67,6 +74,23 @@ def _told(store: Store, as_json: bool, experiment: str | None) -> str:
     except OSError as error:
         unwritten = f"\nthe report's page and figures are not written into {store.folder}: {error.strerror or error}"
     return _on_terminal(store, module, entries, found) + unwritten
+
+
+def _until(store: Store) -> bool:
+    return "until_decided" in store.run
+
+
+def _so_far(store: Store, state: Course) -> Store:
+    """A run until decided as that of the trials that it has and that its next look needs, with notes on its looks."""
+    ended = {row.index for row in store.rows()} | {trial.index for trial in state.missing}
+    plan = store.run["until_decided"]
+    level = f"each at the two-sided level {plan['levels']['two-sided']:.4f}, {plan['levels']['of the whole']:g} of all"
+    notes = [
+        f"until decided: {deciding.told(state)}; looks at {', '.join(map(str, state.looks))} repeats, {level}",
+        *(f"the plan has changed: {line}" for line in changed(plan, state.entries)),
+    ]
+    part = store.of([trial for trial in store.trials if trial.index in ended])
+    return dataclasses.replace(part, run={**part.run, "notes": [*(store.run.get("notes") or ()), *notes]})
 
 
 def _experiment(name: str, path: str | None) -> Any:

@@ -20,6 +20,7 @@ from trials.evidence.summary import Cell, mean, naming
 from trials.experiments import run_in
 from trials.reports import figures as draw
 from trials.reports.figures import Figure
+from trials.reports.paths import paths
 from trials.reports.wording import (
     VERDICTS,
     arms_of,
@@ -55,6 +56,13 @@ def write(store: Store, module: Any, entries: Sequence[Entry] | None, found: Seq
             parts.append(
                 _figure(draw.save(draw.forest(some), folder, name, "The claims with their intervals", caption))
             )
+        if any(len(entry.looks) > 1 for entry in some):
+            name = name.replace("claims", "looks", 1)
+            caption = (
+                "The number on which each verdict hangs, with its interval, at each look at the growing run; the "
+                "intervals hold at all looks together. Green: shown to hold; red: shown not to hold; grey: still open."
+            )
+            parts.append(_figure(draw.save(paths(some), folder, name, "The claims at each look", caption)))
     for figure in _figures(store, module, found):
         parts.append(f"<h2>{escape(figure.title)}</h2>{_figure(figure)}")
     parts.append(f"<h2>All measures by cell</h2>{_measures(found, measures_of(store.trials))}")
