@@ -26,7 +26,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from scipy import stats
+from scipy import special, stats
 
 from flocking.types import Floats
 from trials.evidence.looks import nominal, overall
@@ -64,7 +64,7 @@ def mean_interval(values: Floats, confidence: float = 1.0 - ALPHA) -> tuple[floa
     mean, error, n = _mean_error(values)
     if n < 2:
         return mean, math.nan, math.nan
-    reach = float(stats.t.ppf(0.5 + confidence / 2.0, n - 1)) * error
+    reach = float(special.stdtrit(n - 1, 0.5 + confidence / 2.0)) * error
     return mean, mean - reach, mean + reach
 
 
@@ -176,10 +176,10 @@ def _p_above(values: Floats, bound: float, exact: bool) -> float:
     if n < FEWEST:
         return 1.0
     if exact:
-        return overall(float(stats.binom.sf(int((values > bound).sum()) - 1, n, 0.5)))
+        return float(overall(special.bdtrc(int((values > bound).sum()) - 1, n, 0.5)))
     if error <= 1e-12 * max(1.0, abs(bound)):  # all alike, up to rounding
         return 0.0 if mean > bound else 1.0
-    return overall(float(stats.t.sf((mean - bound) / error, n - 1)))
+    return float(overall(special.stdtr(n - 1, (bound - mean) / error)))
 
 
 def _mean_error(values: Floats) -> tuple[float, float, int]:

@@ -120,7 +120,7 @@ def one_more(values: Floats, number: float, widest: float = math.inf) -> Decisio
         return Decision(None, 1.0, 1.0, mean, math.nan, math.nan, n, math.nan)
     mean, spread = float(values.mean()), float(values.std(ddof=1)) * math.sqrt(1.0 + 1.0 / n)
     reach = float(stats.t.isf(nominal(ALPHA / 2.0), n - 1)) * spread
-    beyond = overall(float(stats.t.sf(abs(number - mean) / spread, n - 1))) if spread > 0.0 else 0.5 * (number == mean)
-    p = min(1.0, 2.0 * beyond)
+    beyond = overall(stats.t.sf(abs(number - mean) / spread, n - 1)) if spread > 0.0 else 0.5 * (number == mean)
+    p = min(1.0, 2.0 * float(beyond))
     agrees = False if p < ALPHA else True if reach <= widest else None
     return Decision(agrees, 1.0 - p, p, mean, mean - reach, mean + reach, n, hedges_g(values, number))
