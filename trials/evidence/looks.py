@@ -8,10 +8,10 @@ whole, such that the whole procedure errs as often as one test of fixed n: eight
 A p-value of one look becomes one of the whole procedure: the chance that, were the claim false, the p-value of any of
 the planned looks would be as small. It is counted in seeded random walks of Student's t, of normal numbers whose mean
 lies at the bound of the claim: for few repeats the chance of a normal statistic's walk (Armitage, McPherson and Rowe
-1969) is too low, by a twentieth for looks at 7, 14 ... 56. Sign tests are held to the same chances; their p-values are no
-smaller at any level. Since what comes out is a p-value at every level, claims of several outcomes are decided as ever:
-all must hold (intersection-union), or one fails after Holm's correction. Intervals are at the nominal level, and hold at
-all looks together.
+1969) is too low, by a twentieth for looks at 7, 14 ... 56. Sign tests are held to the same chances; their p-values are
+no smaller at any level. Since what comes out is a p-value at every level, claims of several outcomes are decided as
+ever: all must hold (intersection-union), or one fails after Holm's correction. Intervals are at the nominal level, and
+hold at all looks together.
 
 Sources: Pocock 1977, Biometrika 64; repeated confidence intervals, Jennison and Turnbull 1989; both in Jennison and
 Turnbull 2000, "Group Sequential Methods with Applications to Clinical Trials", chapters 2, 4 and 9.
