@@ -42,15 +42,21 @@ def sources_digest(packages: tuple[str, ...] = PACKAGES) -> str:
 def cache_folder() -> Path:
     """Where compiled code is kept, in a folder named by the sources' hash.
 
-    Below `$CREATE_HERD_CACHE`, which must then be writable (else `InputError`); or below the user's cache folder; or,
-    where that cannot be written, below a folder for temporary files. What is not this user's alone is not used: code
-    in it might be another's. The last resort is a new folder, which this process and those that it starts use.
+    Below `$CREATE_HERD_CACHE`, where that folder must then be writable and this user's alone (else `InputError`); or
+    below the user's cache folder; or, where that cannot be written, below a folder for temporary files. What is not
+    this user's alone is not used: code in it might be another's. The last resort is a new folder, which this process
+    and those that it starts use.
     """
     digest = sources_digest()
     named = os.environ.get(CACHE_VARIABLE)
     if named:
         if not _writable(Path(named) / digest):
             raise InputError(f"{CACHE_VARIABLE} = {named!r} cannot be written; expected a folder for compiled code")
+        if not _own(Path(named) / digest):
+            raise InputError(
+                f"{CACHE_VARIABLE} = {named!r}: {digest} in it is not this user's alone; expected a folder that no one "
+                "else may write to"
+            )
         return Path(named) / digest
     users = Path(os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")) / "create-herd"
     for base in (users, Path(tempfile.gettempdir()) / f"create-herd-{os.geteuid()}"):

@@ -129,7 +129,7 @@ def _room_behind(segments: Floats, k: int) -> tuple[float, float, float]:
     if depth < _THINNEST:
         raise InputError(
             f"wall {k + 1} from ({x0:g}, {y0:g}) to ({x1:g}, {y1:g}) m has no room behind its face: expected walls "
-            "that do not cross, and solids with corners of 90 degrees or more"
+            "that do not cross, and solids without corners sharper than 68 degrees"
         )
     return before, past, depth
 

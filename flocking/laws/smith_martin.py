@@ -6,7 +6,8 @@ constant speed. Radians, metres, metres per second.
 
 The publication goes further than that row: it derives forces from a Morse and from a Lennard-Jones potential, in open
 space. The document has neither, and its table 3.4 says periodic space. The law is the document's row; its herd is in
-open space, as in the publication's title.
+open space, as in the publication's title. Positions are moved by the new velocities: whether the publication moves them
+by the old ones, as Vicsek et al. do, could not be looked up (`updating` sets it).
 
 Needs positions (to select) and headings. No neighbours: straight on, with noise alone.
 """

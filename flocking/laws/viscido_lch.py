@@ -1,4 +1,4 @@
-"""Local crowded horizon (LCH): a step towards all others, each pulling the less for its distance the farther it is.
+"""Local crowded horizon (LCH): a step towards all others, of which, as printed, the farther pull the more.
 
 Source: Viscido, Miller and Wethey 2002, "The dilemma of the selfish herd"; Fine 2015, table A.1, Viscido et al. (2002)
 (LCH), the rule that its authors validated. The unit is the body-length, one metre here.

@@ -15,7 +15,7 @@ from numba.core.caching import IndexDataCacheFile
 
 from flocking import compilation, lawentry
 from flocking.compiled_cache import kept_between_runs
-from flocking.errors import StorageError
+from flocking.errors import InputError, StorageError
 
 DAMAGES: tuple[Callable[[bytes], bytes], ...] = (
     lambda data: b"",
@@ -120,3 +120,12 @@ def test_a_folder_that_others_may_write_is_not_used(
     assert not folder.resolve().is_relative_to(elsewhere)
     assert folder.parent.stat().st_mode & 0o777 == 0o700
     assert compilation.cache_folder.__wrapped__() == folder  # as those do that this process starts
+
+
+def test_a_named_folder_that_others_may_write_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv(compilation.CACHE_VARIABLE, str(tmp_path))
+    folder = compilation.cache_folder.__wrapped__()
+    assert folder.parent == tmp_path
+    folder.chmod(0o777)
+    with pytest.raises(InputError, match="is not this user's alone"):
+        compilation.cache_folder.__wrapped__()

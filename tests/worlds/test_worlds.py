@@ -185,7 +185,7 @@ class TestWalls:
     @pytest.mark.parametrize(
         ("segments", "words"),
         [
-            (closed([(0, 0), (1, 2), (2, 0)]), "solids with corners of 90 degrees or more"),
+            (closed([(0, 0), (1, 2), (2, 0)]), "solids without corners sharper than 68 degrees"),
             (np.array([(0.0, 0.0, 2.0, 0.0), (1.0, 1.0, 1.0, -1.0)]), "walls that do not cross"),
             (np.array([(1.0, 2.0, 1.0, 2.0)]), r"wall 1 at \(1, 2\) m has no length"),
         ],

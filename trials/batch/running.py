@@ -191,9 +191,9 @@ def resume(folder: Path, jobs: int, report: Report, experiment: str | None = Non
                     file=sys.stderr,
                 )
             code = code_of(kept.trials)
-            if code:
-                laws = ", ".join(str(folder / folders.CODE / name) for name in code)
-                print(f"note: runs the user's {laws}", file=sys.stderr)
+            users = [*(str(folder / folders.CODE / name) for name in code), *users_bodies(kept.trials)]
+            if users:
+                print(f"note: runs the user's {', '.join(users)}", file=sys.stderr)
             _tell_misfits(kept)
             module = deciding.experiment_of(kept, experiment) if "until_decided" in kept.run else None
             return _run_rest(kept, jobs, report, module)
@@ -251,6 +251,12 @@ def code_of(trials: Sequence[Trial]) -> dict[str, str]:
             name, number = f"{path.stem}-{number}{path.suffix}", number + 1
         found[name] = text
     return found
+
+
+def users_bodies(trials: Sequence[Trial]) -> list[str]:
+    """The folders of the users' own bodies that take part: they are run from where they are."""
+    named = dict.fromkeys(str(group.setup.get("body", "")) for trial in trials for group in trial.groups)
+    return [name for name in named if is_path(name)]
 
 
 def declared_laws(trials: Sequence[Trial]) -> dict[str, Any]:

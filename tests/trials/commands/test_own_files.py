@@ -13,7 +13,7 @@ import pytest
 from flocking.errors import InputError
 from robots import body as bodies
 from trials import design, experiments, simulations
-from trials.batch.running import Asked, planned
+from trials.batch.running import Asked, planned, users_bodies
 from trials.commands import listing
 from trials.reports import report
 from trials.types import Trial
@@ -161,6 +161,7 @@ def test_a_body_is_a_folder_that_stays_as_it_was(own: Path) -> None:
     assert result.radii.tolist() == [0.2] * 6
     told = listing.planned(made, made.trials)
     assert ".model.RADIUS" in told
+    assert users_bodies(made.trials) == [trial.groups[0].setup["body"]] != []  # resume says that it runs it
     (own / "wide" / "model.py").write_text(MODEL.replace("0.2 ", "0.21 "))
     simulations._check_kind.cache_clear()  # another process, as `herd resume` is
     with pytest.raises(InputError, match="have changed since the run began"):
