@@ -56,7 +56,7 @@ def laid_down(
     """The plan that a run's run.json holds. Raises `InputError` if no number of repeats decides any claim."""
     run = Part(_Planned(folder, trials), trials, [])
     plan = until_decided.laid_down(run, _claims_of(experiment), looks, "" if most == NO_BUDGET else str(most))
-    if not any(claim["outcomes"] for claim in plan["claims"]):
+    if not any(claim["by repeats"] for claim in plan["claims"]):
         raise InputError(f"--until-decided: {_needs(run, experiment)}")
     return {**plan, "seconds": most.seconds}
 

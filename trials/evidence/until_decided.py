@@ -90,7 +90,7 @@ def course(run: Run, claims: Claims, looks: Sequence[int], before: Course | None
 def laid_down(run: Run, claims: Claims, looks: Sequence[int], budget: str) -> dict[str, Any]:
     """The plan of a run before its first trial, as JSON: looks, levels, budget, and each claim's outcomes with margins.
 
-    The outcomes are those of trials that measured nothing.
+    The outcomes are those of trials that measured nothing; `by repeats`: whether more repeats can decide a claim.
     """
     trials = [trial for trial in run.trials if trial.repeat <= looks[0]]
     with levels.among(looks):
@@ -103,6 +103,7 @@ def laid_down(run: Run, claims: Claims, looks: Sequence[int], budget: str) -> di
             {
                 "claim": f"{entry.source}; {entry.quantity.partition(':')[0]}",
                 "arm": dict(entry.arm),
+                "by repeats": bool(_of(trials[0].experiment, entry)),
                 "outcomes": [
                     {"label": each.label, "kind": each.kind, "threshold": _plain(each.threshold), "margin": each.margin}
                     for each in entry.outcomes

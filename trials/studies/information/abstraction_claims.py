@@ -12,6 +12,7 @@ from functools import partial
 from typing import NamedTuple
 
 from trials.evidence.claims import Entry, Judged, Question, answers, published
+from trials.evidence.outcomes import Outcome
 from trials.evidence.runs import Cells, Run, UndecidedError
 from trials.evidence.summary import shown_value
 from trials.studies.information import law_survey
@@ -44,6 +45,8 @@ class Kept(NamedTuple):
     """Equivalent to perfect poses."""
     flocks: bool | None
     """Better than random motion."""
+    outcomes: list[Outcome]
+    """Of both."""
 
 
 def claims(run: Run) -> list[Entry]:
@@ -76,9 +79,10 @@ def kept(cells: Cells, rule: str) -> list[Kept]:
     spacing_m, found = law_survey.herd_of(law).spacing_m, []
     for told in told_of(cells, rule):
         here = cell_of(rule, told)
-        as_before = verdict(alike(cells, law_survey.judged_by(law), here, best, spacing_m))
-        flocks = verdict(better(cells, law_survey.told_apart_by(law), here, control, spacing_m))
-        found.append(Kept(told, both(as_before, flocks), as_before, flocks))
+        same = alike(cells, law_survey.judged_by(law), here, best, spacing_m)
+        gained = better(cells, law_survey.told_apart_by(law), here, control, spacing_m)
+        as_before, flocks = verdict(same), verdict(gained)
+        found.append(Kept(told, both(as_before, flocks), as_before, flocks, [*same, *gained]))
     return found
 
 
@@ -111,4 +115,4 @@ def _judged(cells: Cells, rule: str) -> Judged:
     verdicts = [one.agrees for one in less]
     n = len(cells.values(law_survey.ORDER, *cell_of(rule, ALL_TOLD[0])))
     label = f"shown in {verdicts.count(True)} of {len(verdicts)} conditions, lost in {verdicts.count(False)}"
-    return held_in_all(verdicts, label, n, TEST)
+    return held_in_all([one.outcomes for one in less], label, n, TEST)

@@ -12,13 +12,14 @@ from pathlib import Path
 from typing import Any
 
 from trials.evidence.claims import Entry, Judged, Question, answers, published
+from trials.evidence.outcomes import Outcome
 from trials.evidence.runs import Cells, Run, UndecidedError
 from trials.evidence.summary import shown_value
 from trials.reports import figures as draw
 from trials.reports.arms import by_arm
 from trials.reports.figures import Figure, Place
 from trials.studies.information.abstraction_design import LCH, VARIATIONS, rule_of
-from trials.studies.information.law_judges import IN_WORDS, Cell, alike, better, both, held_in_all, mean_of, verdict
+from trials.studies.information.law_judges import IN_WORDS, Cell, alike, better, held_in_all, mean_of, verdict
 from trials.studies.information.law_survey import CONTROL, LAW, judged_by, told_apart_by
 from trials.studies.information.verdict_maps import Square, verdict_map
 from trials.types import Value
@@ -55,17 +56,15 @@ def best_of(law: str) -> Cell:
     return "lch-member-pose" if rule_of(law) == LCH else law, MEMBER_CENTRIC, PERFECT
 
 
-def kept(cells: Cells, cell: Cell) -> bool | None:
-    """Whether a law does as it does at its best, and better than random motion. Raises `UndecidedError`."""
+def kept(cells: Cells, cell: Cell) -> list[Outcome]:
+    """That a law does as it does at its best, and better than random motion. Raises `UndecidedError`."""
     law = str(cell[0])
-    as_before = verdict(alike(cells, judged_by(law), cell, best_of(law), SPACING))
-    return both(as_before, flocks(cells, cell))
+    return [*alike(cells, judged_by(law), cell, best_of(law), SPACING), *flocks(cells, cell)]
 
 
-def flocks(cells: Cells, cell: Cell) -> bool | None:
-    """Whether it does better than random motion. Raises `UndecidedError`."""
-    measures = told_apart_by(str(cell[0]))
-    return verdict(better(cells, measures, cell, (CONTROL, MEMBER_CENTRIC, PERFECT), SPACING))
+def flocks(cells: Cells, cell: Cell) -> list[Outcome]:
+    """That it does better than random motion. Raises `UndecidedError`."""
+    return better(cells, told_apart_by(str(cell[0])), cell, (CONTROL, MEMBER_CENTRIC, PERFECT), SPACING)
 
 
 def asked_of(cells: Cells) -> dict[str, list[Cell]]:
@@ -121,16 +120,17 @@ def _figures(run: Run, place: Place) -> list[Figure]:
 def _square(cells: Cells, cell: Cell) -> Square:
     law = str(cell[0])
     try:
-        agrees = flocks(cells, cell) if cell == best_of(law) else kept(cells, cell)
+        agrees = verdict(flocks(cells, cell) if cell == best_of(law) else kept(cells, cell))
     except UndecidedError:
         agrees = None
     return Square(agrees, " ".join(f"{mean_of(cells, measure, cell):.2f}" for measure in judged_by(law)))
 
 
 def _judged(cells: Cells, law: str, asked: Sequence[Cell]) -> Judged:
-    found = [kept(cells, cell) for cell in asked if cell != best_of(law)]
+    outcomes = [kept(cells, cell) for cell in asked if cell != best_of(law)]
+    found = [verdict(each) for each in outcomes]
     n = len(cells.values("mmd", *best_of(law)))
     if not found:
         raise UndecidedError("the run takes no information away")
     label = f"shown in {found.count(True)} of {len(found)} conditions, lost in {found.count(False)}"
-    return held_in_all(found, label, n, TEST)
+    return held_in_all(outcomes, label, n, TEST)

@@ -95,7 +95,8 @@ def losses(cells: Cells, law: str, setting: Setting) -> list[Outcome]:
 
 
 def _kept(cells: Cells, law: str) -> Judged:
-    found = [verdict(losses(cells, law, setting)) for setting in settings_of(cells, law)[1:]]
+    outcomes = [losses(cells, law, setting) for setting in settings_of(cells, law)[1:]]
+    found = [verdict(each) for each in outcomes]
     n = len(cells.values(ORDER, *cell_of(law, SETTINGS[0])))
     if not found:
         raise UndecidedError("the run has no other setting")
@@ -103,7 +104,7 @@ def _kept(cells: Cells, law: str) -> Judged:
         f"shown to lose nothing in {found.count(True)} of {len(found)} settings, to lose something in "
         f"{found.count(False)}"
     )
-    return held_in_all(found, label, n, TEST)
+    return held_in_all(outcomes, label, n, TEST)
 
 
 def contact(cells: Cells, settings: Sequence[Setting]) -> list[Outcome]:

@@ -78,11 +78,15 @@ def both(*verdicts: bool | None) -> bool | None:
     return False if False in verdicts else None if None in verdicts else True
 
 
-def held_in_all(verdicts: Sequence[bool | None], label: str, n: int, test: str) -> Judged:
-    """A claim that must hold in every one of several conditions, of `n` repeats each. The report shows the share of
-    the conditions in which it is shown to hold."""
-    agrees, nan = both(*verdicts), math.nan
-    decision = Decision(agrees, nan, nan, verdicts.count(True) / len(verdicts), nan, nan, n, nan)
+def held_in_all(conditions: Sequence[Sequence[Outcome]], label: str, n: int, test: str) -> Judged:
+    """A claim that must hold in every one of several conditions, of `n` repeats each, with all outcomes of each.
+
+    It does not hold where an outcome fails after Holm's correction for all of them. The report shows the share of the
+    conditions in which it is shown to hold.
+    """
+    agrees, nan = verdict([outcome for outcomes in conditions for outcome in outcomes]), math.nan
+    share = sum(verdict(outcomes) is True for outcomes in conditions) / len(conditions)
+    decision = Decision(agrees, nan, nan, share, nan, nan, n, nan)
     return Judged(agrees, Outcome(label, decision, "share", nan, nan, True), (), test)
 
 
