@@ -144,6 +144,8 @@ def _from_file(path: str) -> ModuleType:
     known = _own.get(name)
     if known is not None and Path(str(known.__file__)) == file.resolve():
         return known
+    if file.exists() and not file.is_file():
+        raise InputError(f"experiment file {path!r} is no file; expected a Python file, or a name of herd list")
     if not file.is_file():
         raise InputError(f"experiment file {path!r} does not exist; expected a Python file, or a name of herd list")
     if not _NAME.fullmatch(name) or known is not None or name in experiments():

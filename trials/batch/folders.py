@@ -170,7 +170,7 @@ def reading(path: Path) -> Iterator[None]:
         if "locked" not in str(error):
             raise InputError(f"{path} cannot be read: it is damaged or is no results file ({error})") from error
         raise InputError(f"{path} cannot be read: another process has locked it; try once more") from error
-    except (sqlite3.Error, ValueError) as error:
+    except (sqlite3.Error, ValueError, OverflowError, RecursionError, TypeError, AttributeError) as error:
         raise InputError(f"{path} cannot be read: it is damaged or is no results file ({error})") from error
     except OSError as error:
         raise InputError(f"{path} cannot be read: {error.strerror or error}") from error

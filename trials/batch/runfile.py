@@ -44,6 +44,8 @@ def read(folder: Path) -> dict[str, Any]:
         for name, kind in _OF_RUN.items():
             if not isinstance(run.get(name), (kind, type(None))):
                 raise TypeError(f"{name} = {run[name]!r}: expected {kind.__name__}")
+        if not all(isinstance(note, str) for note in run.get("notes") or ()):
+            raise TypeError("notes: expected a list of texts")
         for trial in run["trials"]:
             _check_types(Trial.from_dict(trial))
             _check_text({**trial, "groups": [{**group, "law_source": ""} for group in trial["groups"]]})
@@ -113,6 +115,7 @@ _OF_RUN: dict[str, type] = {
     "experiment": _TEXT, "command": _TEXT, "repeats": _WHOLE, "seed": _WHOLE, "settings": _TABLE, "sweep": _TABLE,
     "record": _TEXT, "scans": _TEXT, "started": _TEXT, "versions": _TABLE, "commit": _TEXT, "sources": _TEXT,
     "cpu": _TEXT, "system": _TEXT, "laws": _TABLE, "trials": list, "until_decided": _TABLE,
+    "conditions": _TABLE, "notes": list, "only": _TEXT, "law": _TEXT, "pipeline": _TEXT, "body": _TEXT,
 }  # fmt: skip
 
 

@@ -169,6 +169,10 @@ def start(asked: Asked, out: Path | None, jobs: int, report: Report) -> tuple[in
         kept = store.create(folder, run, code_of(chosen))
         try:
             return _run_rest(kept, jobs, report, experiment), folder
+        except InputError:  # nothing could be run: no unfinished run is left behind
+            if not kept.rows():
+                store.removed(kept)
+            raise
         finally:
             kept.close()
 
@@ -184,13 +188,14 @@ def resume(folder: Path, jobs: int, report: Report, experiment: str | None = Non
     kept = store.opened(folder)
     try:
         with folders.alone(folder):
+            code = code_of(kept.trials)
+            store.check_code(kept, code)
             changed = machine.differences(kept.run, machine.made_with())
             if changed:
                 print(
                     f"note: changed since this run began: {'; '.join(changed)}; results may differ in their last bits",
                     file=sys.stderr,
                 )
-            code = code_of(kept.trials)
             users = [*(str(folder / folders.CODE / name) for name in code), *users_bodies(kept.trials)]
             if users:
                 print(f"note: runs the user's {', '.join(users)}", file=sys.stderr)

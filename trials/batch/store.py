@@ -23,7 +23,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from flocking.errors import InputError
+from flocking.errors import InputError, printable
 from trials.batch import runfile
 from trials.batch.folders import (
     CODE,
@@ -62,6 +62,7 @@ CREATE TABLE timing (
 """
 
 
+STATUSES = ("done", "failed")
 DIED = "its worker process died"
 """How the reason of a trial whose worker died begins. Resuming runs such a trial again and replaces its row."""
 
@@ -99,23 +100,33 @@ class Store:
         """Why what is kept of a trial does not belong to this run, in words, by index of its row."""
         planned = {trial.index: trial for trial in self.trials}
         with reading(self.folder / RESULTS):
-            kept = self.connection.execute("SELECT idx, digest, seed FROM trials ORDER BY idx").fetchall()
+            kept = self.connection.execute(f"SELECT {_COLUMNS} FROM trials ORDER BY idx").fetchall()
         found = {}
-        for index, of, seed in kept:
-            why = self._misfit(planned.get(index), str(of), seed)
+        for row in kept:
+            index = row[0]
+            why = self._misfit(planned.get(index), row)
             if why:
                 found[index] = why
         return found
 
-    def _misfit(self, trial: Trial | None, of: str, seed: int) -> str:
+    def _misfit(self, trial: Trial | None, row: tuple[Any, ...]) -> str:
         from trials.batch.series import trial_of
 
+        _, status, reason, seed, repeat, conditions, _, of = row
         if trial is None:
             return "the run has no such trial"
         own = runfile.digest(trial)
         if of != own:
             other = f"seed {seed} in place of {trial.seed}" if seed != trial.seed else "another run or other settings"
             return f"its row is that of another trial ({other})"
+        if status not in STATUSES or not isinstance(reason, str):
+            return "its row is no trial's: neither done nor failed, or without words for why"
+        try:
+            told = seed, repeat, _object(conditions)
+        except ValueError:
+            told = seed, repeat, {}
+        if told != (trial.seed, trial.repeat, dict(trial.conditions)):
+            return "its row was changed: its seed, repeat or conditions are not the trial's"
         path = self.folder / SERIES / f"{trial.index:04d}.npz"
         if not path.is_file():
             return ""
@@ -138,16 +149,19 @@ class Store:
         misfits = self.misfits
         with reading(self.folder / RESULTS):
             rows = self.connection.execute(f"SELECT {_COLUMNS} FROM trials ORDER BY idx").fetchall()
-            try:
-                return [
-                    Row(
-                        index, status, reason, seed, repeat, dict(json.loads(conditions)), numbers(json.loads(measures))
-                    )
-                    for index, status, reason, seed, repeat, conditions, measures, _ in rows
-                    if index not in misfits
-                ]
-            except (TypeError, AttributeError) as error:
-                raise ValueError(error) from error
+            return [
+                Row(
+                    index,
+                    status,
+                    printable(reason),
+                    seed,
+                    repeat,
+                    _object(conditions),
+                    numbers(_object(measures)),
+                )
+                for index, status, reason, seed, repeat, conditions, measures, _ in rows
+                if index not in misfits
+            ]
 
     def timing(self) -> dict[int, dict[str, float]]:
         """Wall time (s) of each finished trial in all (`seconds`) and by part."""
@@ -193,8 +207,9 @@ class Store:
         parts = dict(timing)
         seconds = parts.pop("seconds", 0.0)
         with writing(self.folder / RESULTS), self.connection:
-            gone = "%" if row.index in self.misfits else f"{DIED}%"
-            self.connection.execute("DELETE FROM trials WHERE idx = ? AND reason LIKE ?", (row.index, gone))
+            if row.index in self.misfits:
+                self.connection.execute("DELETE FROM trials WHERE idx = ?", (row.index,))
+            self.connection.execute("DELETE FROM trials WHERE idx = ? AND reason LIKE ?", (row.index, f"{DIED}%"))
             self.connection.execute(
                 "INSERT INTO trials VALUES (?, ?, ?, ?, ?, ?, ?, ?)",
                 (
@@ -269,6 +284,34 @@ def _create(folder: Path, run: Mapping[str, Any], code: Mapping[str, str]) -> St
         return Store(folder, run, sqlite3.connect(folder / RESULTS))
 
 
+def removed(kept: Store) -> None:
+    """Takes away all that `create` made of a run in which nothing was run, and its folder."""
+    kept.close()
+    for name in (RUN, RESULTS, SERIES, RECORDINGS, CODE):
+        _remove(kept.folder / name)
+
+
+def check_code(kept: Store, code: Mapping[str, str]) -> None:
+    """Raises `InputError` where a user's file in the run's folder is not the one that its trials hold and would run."""
+    for name, text in code.items():
+        path = kept.folder / CODE / name
+        with reading(path):
+            same = path.read_text(encoding="utf-8") == text
+        if not same:
+            raise InputError(f"{path} is not the file that the trials of this run hold: nothing was run; put it back")
+
+
+def _object(text: Any) -> dict[str, Any]:
+    """A JSON object. Raises `ValueError` for anything else."""
+    try:
+        found = json.loads(text)
+    except (TypeError, RecursionError) as error:
+        raise ValueError(f"not JSON: {type(error).__name__}") from error
+    if not isinstance(found, dict):
+        raise ValueError("not a JSON object")
+    return found
+
+
 def _is_halfmade_new(folder: Path) -> bool:
     """Whether a folder without run.json holds what a killed `create` left, and nothing else.
 
@@ -313,6 +356,9 @@ def opened(folder: Path) -> Store:
             found = connection.execute("PRAGMA quick_check(1)").fetchone()[0]
             if found != "ok":
                 raise InputError(f"{path} is damaged ({' '.join(found.split())}); nothing was changed")
+            kinds = connection.execute("SELECT type FROM sqlite_master WHERE name IN ('trials', 'timing')").fetchall()
+            if kinds != [("table",), ("table",)]:
+                raise InputError(f"{path} is not the results of a run")
             connection.execute(f"SELECT {_COLUMNS} FROM trials LIMIT 1")
         except BaseException:
             connection.close()

@@ -16,6 +16,9 @@ from typer import Argument, Option
 from flocking import users_files
 from flocking.errors import InputError, printable
 
+LONG = 60
+"""Characters of a text that an error repeats."""
+
 app = typer.Typer(
     name="herd",
     help="Simulated herds of iRobot Create robots, and the experiments that made such herds known.",
@@ -36,7 +39,8 @@ def _whole(low: int, high: int | None = None) -> Callable[[str], int]:
             number = low - 1
         if number < low or (high is not None and number > high):
             most = f" and at most {high}" if high is not None else ""
-            raise ValueError(f"{text!r}: expected a whole number of at least {low}{most}")
+            told = text if len(text) <= LONG else f"{text[:LONG]}…"
+            raise ValueError(f"{told!r}: expected a whole number of at least {low}{most}")
         return number
 
     return read
@@ -269,7 +273,7 @@ def world(
             f"experiment {experiment!r} is {chosen.simulation}: it has no world for MuJoCo; run it and see it with "
             f"{command('play')}"
         )
-    if out.exists():
+    if os.path.lexists(out):
         raise InputError(f"--out {out}: there is such a file; expected a new one")
     write_whole(out, world_xml(chosen).encode())
     print(f"{out}: open it with {shlex.join([sys.executable, '-m', 'mujoco.viewer', f'--mjcf={out}'])}")

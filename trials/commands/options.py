@@ -47,12 +47,12 @@ def only(text: str) -> tuple[int, ...]:
     for part in text.split(","):
         match = _RANGE.fullmatch(part.strip())
         if match is None:
-            raise InputError(f"--only {text!r}: expected numbers and ranges of trials, as in 1-4,9")
+            raise InputError(f"--only {_short(text)!r}: expected numbers and ranges of trials, as in 1-4,9")
         first, last = int(match[1]), int(match[2] or match[1])
         if first > last:
-            raise InputError(f"--only {text!r}: the range {part.strip()} ends before it begins")
+            raise InputError(f"--only {_short(text)!r}: the range {part.strip()} ends before it begins")
         if last > MAX_TRIALS:
-            raise InputError(f"--only {text!r}: expected trials from 1 to {MAX_TRIALS}")
+            raise InputError(f"--only {_short(text)!r}: expected trials from 1 to {MAX_TRIALS}")
         indices.update(range(first, last + 1))
     return tuple(sorted(indices))
 

@@ -13,6 +13,7 @@ from pathlib import Path
 from urllib.parse import quote
 
 from flocking.errors import InputError
+from trials.batch.folders import check_name
 from trials.batch.running import ranges
 from trials.batch.worker import end_with_parent
 from trials.commands.webpage import served
@@ -31,6 +32,7 @@ def play(folder: Path | None, trial: int | None, web: bool) -> None:
     Without a display, or with `web`, a web viewer is served on the loopback address and its URL printed.
     Raises `InputError` for a trial that was not recorded and for a viewer that does not start.
     """
+    check_name(folder)
     path = recording(folder, trial)
     if web or not has_display():
         _serve(path)
@@ -46,7 +48,8 @@ def recording(folder: Path | None, trial: int | None) -> Path:
         folder = newest()
     if not folder.is_dir():
         raise InputError(f"{folder} is no folder: expected the folder of a run")
-    recorded = {int(p.stem): p for p in sorted((folder / "recordings").glob("*.rrd")) if p.stem.isdigit()}
+    files = sorted((folder / "recordings").glob("*.rrd"))
+    recorded = {int(path.stem): path for path in files if path.stem.isascii() and path.stem.isdecimal()}
     if not recorded:
         raise InputError(f"no trial of {folder} was recorded: run it with --record all or --record first")
     if trial is None:

@@ -145,18 +145,19 @@ def _on_terminal(store: Store, module: Any, entries: Sequence[Entry] | None, fou
                 console.print(_claims_table(some, f"{store.run['experiment']}{f': {arm}' if arm else ''}"))
                 console.print(Text(f"{verdicts(some)}\n"))
             for line in needed(entries, store.folder):
-                console.print(Text(line))
+                _print(console, line)
         else:  # nothing published, or none of its cells in this run: what was measured stands alone
             console.print(_cells_table(found, store.run["experiment"], columns(store, module)))
             if entries:
                 console.print(Text(f"{verdicts(entries)}\n"))
         console.print(Text(counted(store)))
         for line in misfits(store):
-            console.print(Text(line, style="red"))
+            _print(console, line, "red")
         for note in notes_of(store, module):
-            console.print(Text(note))
+            _print(console, note)
         if len(store.rows()) < len(store.trials):
-            console.print(Text(f"finish it with: {command('resume', str(store.folder))}"))
+            for line in ("finish it with:", f"  {command('resume', str(store.folder))}"):
+                _print(console, line)
         lost = [row.index for row in store.rows() if row.status == "done" and not store.has_series(row.index)]
         if lost:
             console.print(
@@ -164,18 +165,24 @@ def _on_terminal(store: Store, module: Any, entries: Sequence[Entry] | None, fou
             )
         for row in store.rows():
             if row.status != "done":
-                console.print(Text(f"  trial {row.index} failed: {row.reason}", style="red"))
+                console.print(Text(f"trial {row.index} failed: {row.reason}", style="red"))
     return capture.get().rstrip("\n")
 
 
+def _print(console: Any, line: str, style: str = "") -> None:
+    """Prints a line; one that is a command, which begins with two spaces, is never broken."""
+    from rich.text import Text
+
+    console.print(Text(line, style=style), soft_wrap=line.startswith("  "))
+
+
 def needed(entries: Sequence[Entry], folder: Path) -> list[str]:
-    """Which supplementary experiments would decide more of the claims of a run, one line each."""
+    """Which supplementary experiments would decide more of the claims of a run, each command on a line of its own."""
     counts = Counter(entry.words for entry in entries if entry.words)
-    again = command("report", str(folder))
-    return [
-        f"{count} claim{'s' * (count != 1)} cannot be decided yet: {command(*words)} and then {again}"
-        for words, count in counts.items()
-    ]
+    lines = []
+    for words, count in counts.items():
+        lines += [f"{count} claim{'s' * (count != 1)} cannot be decided without:", f"  {command(*words)}"]
+    return [*lines, "and then:", f"  {command('report', str(folder))}"] if lines else []
 
 
 def _claims_table(entries: Sequence[Entry], title: str) -> Any:

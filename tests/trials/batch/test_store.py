@@ -33,7 +33,8 @@ def new(folder: Path) -> Store:
 
 
 def row(index: int, **measures: float) -> Row:
-    return Row(index, "done", "", 1, 1, {"herd.law.exclusion_m": 0.5}, measures)
+    trial = TRIALS[index - 1]
+    return Row(index, "done", "", trial.seed, trial.repeat, dict(trial.conditions), measures)
 
 
 def series_of(index: int) -> bytes:
@@ -365,6 +366,47 @@ class TestWhatDoesNotBelongToTheRun:
             connection.execute("UPDATE trials SET digest = 'other', seed = 7 WHERE idx = 2")
         connection.close()
         assert self._misfits(folder) == {2: "its row is that of another trial (seed 7 in place of 1)"}
+
+    @pytest.mark.parametrize(
+        "change",
+        ["seed = 7", "seed = 'abc'", "repeat = 9", 'conditions = \'{"act": "other"}\'', "conditions = '['"],
+    )
+    def test_an_edited_row_whose_digest_still_stands(self, folder: Path, change: str) -> None:
+        with sqlite3.connect(folder / "results.sqlite") as connection:
+            connection.execute(f"UPDATE trials SET {change} WHERE idx = 2")
+        connection.close()
+        assert list(self._misfits(folder)) == [2]
+
+    @pytest.mark.parametrize("change", ["status = 'finished'", "reason = x'ff00'"])
+    def test_a_row_that_no_trial_has(self, folder: Path, change: str) -> None:
+        with sqlite3.connect(folder / "results.sqlite") as connection:
+            connection.execute(f"UPDATE trials SET {change} WHERE idx = 2")
+        connection.close()
+        assert list(self._misfits(folder)) == [2]
+
+    @pytest.mark.parametrize("measures", ["[" * 100_000, "[1]", '{"a": %s}' % ("9" * 400), '{"a": "b"}'])
+    def test_measures_that_are_none_are_told_in_one_line(self, folder: Path, measures: str) -> None:
+        with sqlite3.connect(folder / "results.sqlite") as connection:
+            connection.execute("UPDATE trials SET measures = ? WHERE idx = 2", (measures,))
+        connection.close()
+        kept = store.opened(folder)
+        with pytest.raises(InputError, match="is damaged") as caught:
+            kept.rows()
+        assert len(str(caught.value)) < 1000
+
+    def test_what_would_act_on_a_terminal_is_not_handed_out(self, folder: Path) -> None:
+        with sqlite3.connect(folder / "results.sqlite") as connection:
+            connection.execute("UPDATE trials SET status = 'failed', reason = char(27) || '[31mred' WHERE idx = 2")
+        connection.close()
+        assert store.opened(folder).rows()[1].reason.endswith("[31mred")
+        assert "\x1b" not in store.opened(folder).rows()[1].reason
+
+    def test_a_view_is_no_table(self, folder: Path) -> None:
+        with sqlite3.connect(folder / "results.sqlite") as connection:
+            connection.execute("ALTER TABLE trials RENAME TO others")
+            connection.execute("CREATE VIEW trials AS SELECT * FROM others")
+        connection.close()
+        refused(folder, "not the results of a run")
 
     def test_results_of_another_run(self, folder: Path, tmp_path: Path) -> None:
         """The same seeds and conditions with another duration."""

@@ -373,6 +373,27 @@ def test_a_run_file_with_other_types_is_damaged(refused, tmp_path: Path, change:
         assert "\x1b" not in line
 
 
+@pytest.mark.parametrize("change", [{"notes": 1}, {"notes": [1]}, {"conditions": [1]}, {"only": 5}, {"body": {}}])
+def test_a_head_of_a_run_file_with_other_types_is_damaged(refused, tmp_path: Path, change: dict[str, Any]) -> None:
+    make_run(tmp_path / "run")
+    path = tmp_path / "run" / "run.json"
+    path.write_text(json.dumps(json.loads(path.read_text()) | change))
+    for command in ("report", "resume"):
+        assert "run.json is damaged" in refused(command, "run")
+
+
+def test_a_users_file_that_is_not_what_the_trials_hold_is_not_run(refused, tmp_path: Path) -> None:
+    """What resume says that it runs is what it runs."""
+    make_run(tmp_path / "run")
+    path = tmp_path / "run" / "run.json"
+    run = json.loads(path.read_text())
+    run["trials"][0] |= {"world": "my_world.py", "world_source": "evil = 1"}
+    path.write_text(json.dumps(run))
+    (tmp_path / "run" / "code").mkdir()
+    (tmp_path / "run" / "code" / "my_world.py").write_text("harmless = 1")
+    assert "my_world.py is not the file" in refused("resume", "run")
+
+
 def test_a_folder_that_cannot_be_made(refused, tmp_path: Path) -> None:
     (tmp_path / "file").write_text("mine")
     assert "is a file" in refused(*RUN, "--out", "file")
@@ -402,6 +423,7 @@ def test_a_trial_that_was_not_recorded_cannot_be_played(refused, tmp_path: Path)
     assert "no trial of run was recorded" in refused("play", "run")
     assert "no trial of run was recorded" in refused("play", "run", "--trial", "1")
     (tmp_path / "run" / "recordings" / "0002.rrd").write_bytes(b"")
+    (tmp_path / "run" / "recordings" / "².rrd").write_bytes(b"")  # a digit to Python, and no trial's
     assert "trial 9" in refused("play", "run", "--trial", "9")
 
 
