@@ -1,0 +1,133 @@
+"""`herd run --until-decided`: what it writes before the first trial, kill and resume, and what it refuses."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from flocking.errors import InputError
+from trials.batch.deciding import Budget, budget
+
+HERD = (sys.executable, "-m", "trials.commands.cli")
+SHORT = ("lch-table-4-1", "--until-decided", "--repeats", "3", "--budget", "12", "--record", "none")
+
+
+def herd(*words: str, cwd: Path) -> subprocess.CompletedProcess[str]:
+    return subprocess.run([*HERD, *words], cwd=cwd, capture_output=True, text=True)
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    place = tmp_path_factory.mktemp("until")
+    done = herd("run", *SHORT, "--jobs", "2", "--out", "run", cwd=place)
+    assert done.returncode == 0, done.stderr
+    (place / "told").write_text(done.stdout)
+    return place / "run"
+
+
+def entries(folder: Path) -> list[dict[str, object]]:
+    done = herd("report", str(folder), "--json", cwd=folder.parent)
+    assert done.returncode == 0, done.stderr
+    found: list[dict[str, object]] = json.loads(done.stdout)
+    return found
+
+
+def test_the_plan_is_laid_down_and_kept_to(run: Path) -> None:
+    plan = json.loads((run / "run.json").read_text())["until_decided"]
+    assert plan["looks"] == [3, 6, 9, 12]
+    assert plan["levels"]["two-sided"] < 0.025
+    assert [claim["by repeats"] for claim in plan["claims"]] == [True] * 9
+    assert plan["claims"][0]["outcomes"][0]["margin"] == 0.005
+    found = entries(run)
+    assert any(entry["agrees"] is not None for entry in found)
+    for entry in found:
+        assert entry["agrees"] is not None or entry["n"] == 12
+        numbers = [look["n"] for look in entry["looks"]]  # type: ignore[attr-defined]
+        assert numbers == plan["looks"][: len(numbers)]
+        assert entry["n"] == numbers[-1]
+    assert len({entry["n"] for entry in found}) > 1  # decided ones did not wait for the others
+
+
+def test_the_report_tells_of_the_looks(run: Path) -> None:
+    told = (run.parent / "told").read_text()
+    assert "of 9 claims decided" in " ".join(told.split())
+    page = (run / "report.html").read_text()
+    assert "at each look at the growing run" in page
+    assert "decided at look 1 of 4" in page
+
+
+def test_a_killed_run_with_other_workers_comes_to_the_same(run: Path) -> None:
+    """Killed once its first rows are there, and resumed."""
+    process = subprocess.Popen(
+        [*HERD, "run", *SHORT, "--jobs", "1", "--out", "killed"],
+        cwd=run.parent,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+        env={**os.environ, "PYTHONUNBUFFERED": "1"},
+    )
+    killed = run.parent / "killed"
+    while not list(killed.glob("series/*.npz")) and process.poll() is None:
+        pass
+    process.send_signal(signal.SIGKILL)
+    process.wait()
+    again = herd("resume", "killed", "--jobs", "2", cwd=run.parent)
+    assert again.returncode == 0, again.stderr
+    assert entries(killed) == entries(run)
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        (["lch-table-4-1", "--until-decided", "--only", "3"], "expected one of the two"),
+        (["detection-ideal", "--until-decided"], "has no claims"),
+        (["lch-table-4-1", "--until-decided", "--budget", "0"], "above 0"),
+        (["lch-table-4-1", "--until-decided", "--budget", "0m"], "above 0"),
+        (["lch-table-4-1", "--until-decided", "--budget", "soon"], "10m, 90s or 40"),
+        (["lch-table-4-1", "--budget", "40"], "--until-decided"),
+        (
+            ["detection-case-study", "--until-decided", "--set", "herd.pipeline=perfect"],
+            "no number of repeats decides a claim",
+        ),
+    ],
+)
+def test_what_cannot_be_decided_is_refused_in_one_line(words: list[str], expected: str, tmp_path: Path) -> None:
+    done = herd("run", *words, cwd=tmp_path)
+    assert done.returncode == 2
+    assert expected in done.stderr
+    assert done.stderr.count("\n") == 1
+    assert not (tmp_path / "runs").exists() or not list(tmp_path.glob("runs/*/*"))
+
+
+def test_budgets() -> None:
+    assert budget("10m") == Budget(seconds=600.0)
+    assert budget("90 s") == Budget(seconds=90.0)
+    assert budget("2h") == Budget(seconds=7200.0)
+    assert budget("40") == budget("40 repeats") == Budget(repeats=40)
+    assert [str(budget(text)) for text in ("40", "10m")] == ["40", "600s"]
+    assert budget(str(budget("10m"))) == budget("10m")
+    with pytest.raises(InputError):
+        budget("-5")
+
+
+@pytest.mark.parametrize(
+    "change", [{"looks": [3, 3]}, {"looks": []}, {"looks": "3"}, {"seconds": "x"}, {"levels": {}}, {"claims": [1]}]
+)
+def test_a_damaged_plan_is_told_in_one_line(run: Path, change: dict[str, object], tmp_path: Path) -> None:
+    told = json.loads((run / "run.json").read_text())
+    told["until_decided"] |= change
+    place = tmp_path / "run"
+    place.mkdir()
+    for name in ("results.sqlite",):
+        (place / name).write_bytes((run / name).read_bytes())
+    (place / "run.json").write_text(json.dumps(told))
+    done = herd("report", "run", cwd=tmp_path)
+    assert done.returncode == 2
+    assert "run.json is damaged" in done.stderr
+    assert done.stderr.count("\n") == 1
