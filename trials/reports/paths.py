@@ -18,6 +18,8 @@ TITLE = 34
 def paths(entries: Sequence[Entry]) -> Canvas:
     """For each claim that was looked at: the number on which it hangs and its interval over the repeats."""
     some = [entry for entry in entries if entry.looks]
+    ticks = sorted({look.n for entry in some for look in entry.looks})
+    last = ticks[-1]
     canvas, axes = grid(len(some), min(COLUMNS, len(some)), width=9.6, height=1.9)
     for axis, entry in zip(axes, some, strict=True):
         lines = textwrap.wrap(entry.quantity, TITLE, max_lines=3, placeholder=" …")
@@ -31,4 +33,6 @@ def paths(entries: Sequence[Entry]) -> Canvas:
             axis.plot(look.n, look.measured, "o", color=colour, ms=3)
         axis.tick_params(labelsize=6)
         axis.set_xlabel("repeats", fontsize=6)
+        axis.set_xlim(0, 1.05 * last)
+        axis.set_xticks(ticks)
     return canvas
