@@ -20,14 +20,16 @@ def run(
     body: str | None = None,
     jobs: int | None = None,
     record: str | None = None,
+    until_decided: bool = False,
+    budget: str | None = None,
 ) -> Path:
     """Runs an experiment on all cores, as `herd run` does, and returns the run's folder; prints a summary.
 
     The arguments are the options of `herd run`: `settings` and `sweep` by dotted key, `record` one of `all`, `first`
-    and `none`. Workers import the script that calls this: the call must stand under `if __name__ == "__main__":`.
+    and `none`, `budget` as `10m` or `40`. Workers import the script that calls this: the call must stand under `if __name__ == "__main__":`.
     Raises `InputError` for anything that does not exist or fit, and where that line is missing.
     """
-    from trials.batch import running, worker
+    from trials.batch import deciding, running, worker
 
     asked = running.Asked(
         experiment,
@@ -39,5 +41,7 @@ def run(
         pipeline=pipeline,
         body=body,
         record=record,
+        until_decided=until_decided,
+        budget=deciding.budget(budget) if budget is not None else deciding.NO_BUDGET,
     )
     return running.start(asked, out, jobs or worker.cores(), report=lambda folder: "")[1]
