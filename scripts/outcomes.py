@@ -31,20 +31,21 @@ def main(folders: Sequence[str]) -> None:
         store = opened(Path(folder))
         commands.append(_command(store.run))
         experiment, repeats = str(store.run["experiment"]), max(trial.repeat for trial in store.trials)
+        told = f"until decided, at most {repeats} repeats" if "until_decided" in store.run else f"{repeats} repeats"
         store.close()
         for entry in entries:
-            columns.setdefault(_name(experiment, entry.get("arm") or {}, repeats), []).append(entry)
+            columns.setdefault(_name(experiment, entry.get("arm") or {}, told), []).append(entry)
     text = PAGE.read_text(encoding="utf-8")
     start, end = text.index(BEGIN), text.index(END)
     mark = text[start : text.index("-->", start) + 3]
     PAGE.write_text(f"{text[:start]}{mark}\n\n{_tables(columns, commands)}\n{text[end:]}", encoding="utf-8")
 
 
-def _name(experiment: str, arm: Mapping[str, object], repeats: int) -> str:
+def _name(experiment: str, arm: Mapping[str, object], repeats: str) -> str:
     """An arm in words; of another experiment than the case study with that one's name."""
     words = [] if experiment == "detection-case-study" else [experiment.removeprefix("detection-")]
     words += [f"{key.rsplit('.', 1)[-1]} {value}" for key, value in arm.items()]
-    return f"{', '.join(words) or 'reference'} ({repeats} repeats)"
+    return f"{', '.join(words) or 'reference'} ({repeats})"
 
 
 def _command(run: Mapping[str, object]) -> str:

@@ -7,7 +7,6 @@ One table for each run, in the order given; all runs are of one study. All numbe
 
 from __future__ import annotations
 
-import json
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -17,7 +16,7 @@ from flocking.errors import InputError
 from trials.batch.store import Store, opened
 from trials.design import experiments, load
 from trials.evidence.summary import cells, mean, named
-from trials.reports.report import report
+from trials.reports.report import judged
 from trials.reports.wording import VERDICTS, counted, key_measures, shown_interval, shown_number
 from trials.simulations import measures_of
 
@@ -57,12 +56,13 @@ def _page(folders: Sequence[str]) -> Path:
 
 
 def _run(folder: Path) -> list[str]:
-    entries = json.loads(report(folder, as_json=True))
     store = opened(folder)
     command = store.run.get("command", f"herd run {store.run['experiment']}")
-    trials = counted(store)
     experiment = load(store.run["experiment"])
-    means = [] if hasattr(experiment, "claims") else _means(store, experiment)
+    judgements, shown = judged(store, experiment)
+    trials = counted(shown)
+    means = _means(store, experiment) if judgements is None else []
+    entries = [entry.as_json() for entry in judgements or []]
     store.close()
     lines = [f"### {command.removeprefix('herd run ')}", "", f"`{command}`: {trials}.", ""]
     if means:

@@ -55,11 +55,7 @@ def report(folder: Path | None = None, as_json: bool = False, experiment: str | 
 
 def _told(store: Store, as_json: bool, experiment: str | None) -> str:
     module = _experiment(store.run["experiment"], experiment)
-    entries = run_in(module, "claims", store) if hasattr(module, "claims") and not _until(store) else None
-    if _until(store) and hasattr(module, "claims"):
-        state = deciding.course_of(store, module)
-        entries = list(state.entries) or run_in(module, "claims", store)
-        store = _so_far(store, state)
+    entries, store = judged(store, module)
     found = cells(store, measures_of(store.trials))
     if as_json:
         told = [entry.as_json() for entry in entries or _of_cells(store.run["experiment"], found)]
@@ -76,8 +72,14 @@ def _told(store: Store, as_json: bool, experiment: str | None) -> str:
     return _on_terminal(store, module, entries, found) + unwritten
 
 
-def _until(store: Store) -> bool:
-    return "until_decided" in store.run
+def judged(store: Store, module: Any) -> tuple[list[Entry] | None, Store]:
+    """The entries of a run by its experiment's claims, None where it has none, and what of the run is to be shown."""
+    if not hasattr(module, "claims"):
+        return None, store
+    if "until_decided" not in store.run:
+        return run_in(module, "claims", store), store
+    state = deciding.course_of(store, module)
+    return list(state.entries) or run_in(module, "claims", store), _so_far(store, state)
 
 
 def _so_far(store: Store, state: Course) -> Store:
