@@ -7,12 +7,13 @@ import signal
 import sys
 import tempfile
 import traceback
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path
 from time import monotonic
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from flocking import lawdata, lawentry, users_files
 from flocking.errors import InputError
@@ -21,11 +22,15 @@ from trials import simulations
 from trials.batch import folders, machine, progress, runfile, store, worker
 from trials.batch.batch import Work, run_batch
 from trials.batch.crew import check_main_guard
+from trials.batch.kinds import kinds
 from trials.batch.store import Row, Store
 from trials.design import DEFAULT_SEED, Plan, load, plan
 from trials.invoked import command, herd, spelled
 from trials.keys import AVOIDS
 from trials.types import Trial
+
+if TYPE_CHECKING:
+    from trials.batch.cluster import Cluster
 
 SHOWN_FAILURES = 10
 """Failed trials that the summary at the end lists."""
@@ -109,8 +114,11 @@ def users_laws(asked: Asked) -> list[str]:
     return list(dict.fromkeys(filter(is_path, names)))
 
 
-def start(asked: Asked, out: Path | None, jobs: int, report: Report) -> tuple[int, Path]:
-    """Runs what is asked for into a new folder and reports; returns the exit code and the folder."""
+def start(asked: Asked, out: Path | None, jobs: int, report: Report, cluster: str | None = None) -> tuple[int, Path]:
+    """Runs what is asked for into a new folder and reports; returns the exit code and the folder.
+
+    `cluster`: address of a Dask scheduler, whose workers run the trials in place of `jobs` processes.
+    """
     check_main_guard()
     made, chosen = planned(asked)
     for note in made.notes:
@@ -139,23 +147,23 @@ def start(asked: Asked, out: Path | None, jobs: int, report: Report) -> tuple[in
         "laws": declared_laws(chosen),
         "trials": [trial.as_dict() for trial in chosen],
     }
-    with folders.new_folder(out, made.experiment) as folder:
+    with engine(cluster, chosen) as hands, folders.new_folder(out, made.experiment) as folder:
         kept = store.create(folder, run, code_of(chosen))
         try:
-            return _run_rest(kept, jobs, report), folder
+            return _run_rest(kept, jobs, report, hands), folder
         finally:
             kept.close()
 
 
-def resume(folder: Path, jobs: int, report: Report) -> int:
+def resume(folder: Path, jobs: int, report: Report, cluster: str | None = None) -> int:
     """Runs the trials of a run that have not ended yet; returns the exit code.
 
     A trial that failed has ended, so the table is the same as if the run had not been interrupted. A trial whose worker
-    died has not.
+    died has not. `cluster` as in `start`.
     """
     kept = store.opened(folder)
     try:
-        with folders.alone(folder):
+        with folders.alone(folder), engine(cluster, kept.trials) as hands:
             changed = machine.differences(kept.run, machine.made_with())
             if changed:
                 print(
@@ -167,9 +175,25 @@ def resume(folder: Path, jobs: int, report: Report) -> int:
                 laws = ", ".join(str(folder / folders.CODE / name) for name in code)
                 print(f"note: runs the user's {laws}", file=sys.stderr)
             _tell_misfits(kept)
-            return _run_rest(kept, jobs, report)
+            return _run_rest(kept, jobs, report, hands)
     finally:
         kept.close()
+
+
+@contextmanager
+def engine(address: str | None, trials: Sequence[Trial]) -> Iterator[Cluster | None]:
+    """The cluster at that address, for these trials; None for none.
+
+    Raises `InputError` if no scheduler answers there, or the trials or the cluster's versions do not fit.
+    """
+    if address is None:
+        yield None
+        return
+    from trials.batch import cluster
+
+    cluster.check_travels(trials)
+    with cluster.connected(address) as connected:
+        yield connected
 
 
 def debug(asked: Asked) -> int:
@@ -231,23 +255,6 @@ def declared_laws(trials: Sequence[Trial]) -> dict[str, Any]:
     return {runfile.text_digest(source): lawdata.as_data(*module) for source, module in modules.items()}
 
 
-def kinds(trials: Sequence[Trial]) -> list[Trial]:
-    """One trial for each combination of laws, pipelines and the like: running these compiles all code beforehand."""
-    found: dict[Any, Trial] = {}
-    for trial in trials:
-        code = tuple(
-            (trial.simulation, trial.world, g.pipeline, g.selection, g.law, g.law_source, _names_in(g.setup))
-            for g in trial.groups
-        )
-        found.setdefault(code, trial)
-    return list(found.values())
-
-
-def _names_in(setup: Mapping[str, Any]) -> tuple[tuple[str, str], ...]:
-    """The entries of a setup that are text: names of bodies, of settings and of ways to sense."""
-    return tuple(sorted((key, value) for key, value in setup.items() if isinstance(value, str)))
-
-
 def ranges(indices: Sequence[int], between: str = ",") -> str:
     """Whole numbers in short: 1-4,9."""
     parts: list[list[int]] = []
@@ -259,7 +266,7 @@ def ranges(indices: Sequence[int], between: str = ",") -> str:
     return between.join(str(a) if a == b else f"{a}-{b}" for a, b in parts)
 
 
-def _run_rest(kept: Store, jobs: int, report: Report) -> int:
+def _run_rest(kept: Store, jobs: int, report: Report, cluster: Cluster | None = None) -> int:
     """Runs the trials that have no row yet or whose worker died, and reports; returns the exit code."""
     trials = kept.trials
     record, scans = kept.run.get("record"), kept.run.get("scans")
@@ -287,13 +294,15 @@ def _run_rest(kept: Store, jobs: int, report: Report) -> int:
                     imports=worker.imports_of(left),
                     warm_up=kinds(left),
                 ),
+                cluster=cluster,
             )
         stopped, new = summary.stopped, len(summary.rows)
     rows = kept.rows()
     if stopped:
+        where = ["--cluster", cluster.address] if cluster is not None else []
         print(
             f"herd: stopped; {len(rows)} of {len(trials)} trials are kept in {kept.folder}; "
-            f"finish it with: {command('resume', str(kept.folder))}",
+            f"finish it with: {command('resume', str(kept.folder), *where)}",
             file=sys.stderr,
         )
         return 128 + stopped
