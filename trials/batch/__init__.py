@@ -25,7 +25,8 @@ def run(
     """Runs an experiment on all cores, as `herd run` does, and returns the run's folder; prints a summary.
 
     The arguments are the options of `herd run`: `settings` and `sweep` by dotted key, `record` one of `all`, `first`
-    and `none`, `cluster` the address of a Dask scheduler, whose workers then run the trials. Workers import the script that calls this: the call must stand under `if __name__ == "__main__":`.
+    and `none`, `cluster` the address of a Dask scheduler, whose workers then run the trials. Local workers import the
+    script that calls this: the call must stand under `if __name__ == "__main__":`.
     Raises `InputError` for anything that does not exist or fit, and where that line is missing.
     """
     from trials.batch import running, worker

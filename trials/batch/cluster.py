@@ -32,7 +32,6 @@ CLOSE_S = 2.0
 """Wall time for taking leave of a scheduler."""
 EXTRA = "pip install 'create-herd[cluster]'"
 _ADDRESS = re.compile(r"((tcp|tls|ws|wss)://)?(\[[0-9a-fA-F:.]+\]|[^\s:/\[\]]+):[0-9]{1,5}")
-_TO_SAY = {"versions": {}, "sources": "", "cpu": ""}
 
 
 class Cluster:
@@ -138,7 +137,7 @@ def _client(address: str) -> Any:
         ) from None
     try:
         theirs = client.sync(client.scheduler.versions, callback_timeout=CONNECT_S)["packages"]
-        _check_scheduler(address, theirs, distributed.versions.get_versions()["packages"])
+        check_scheduler(address, theirs, distributed.versions.get_versions()["packages"])
     except BaseException as error:
         client.close(timeout=CLOSE_S)
         if isinstance(error, OSError):
@@ -147,7 +146,7 @@ def _client(address: str) -> Any:
     return client
 
 
-def _check_scheduler(address: str, theirs: Mapping[str, Any], ours: Mapping[str, Any]) -> None:
+def check_scheduler(address: str, theirs: Mapping[str, Any], ours: Mapping[str, Any]) -> None:
     """Raises `InputError` for a scheduler whose Dask or Python is not ours; Python's last number may differ."""
     for name in ("distributed", "python"):
         its, own = (str(each.get(name)).split(".") for each in (theirs, ours))

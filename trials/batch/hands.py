@@ -13,11 +13,16 @@ import os
 import pickle
 import queue
 import select
+import socket
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from time import monotonic
 from typing import Any
+
+from distributed import KilledWorker
+from distributed.client import ClosedClientError
 
 from flocking.errors import InputError, StorageError
 from trials.batch import remote
@@ -75,7 +80,8 @@ class Hands:
         self.threads = 0
         self.each_s = self.each_bytes = 0.0
         """Wall time and size of the last trials."""
-        self.bell, self.rung = os.pipe()
+        self.bell, self.rung = socket.socketpair()
+        """A byte comes in at `bell` for each answer."""
 
     def run(self, tasks: Sequence[Task], wake: int) -> Iterator[Ended]:
         """Yields each task as it ends, in any order. `wake`: descriptor on which the number of a signal comes.
@@ -89,16 +95,12 @@ class Hands:
             if monotonic() - looked >= LOOK_S:
                 looked = monotonic()
                 self.cluster.schedule(self._count())
-            try:
-                self._send(waiting)
-                lost = self.cluster.client.status != "running" and self.link.back.empty()
-            except OSError:
-                lost = True
+            lost = not self._send(waiting)
             ready = [] if lost else select.select([wake, self.bell], [], [], LOOK_S)[0]
             if wake in ready:
                 raise Stopped(os.read(wake, 1)[0])
             if self.bell in ready:
-                os.read(self.bell, 4096)
+                self.bell.recv(4096)
             while not self.link.back.empty():
                 number, answer = self.link.back.get()
                 chunk, _ = self.link.sent.pop(number)
@@ -113,29 +115,35 @@ class Hands:
     def stop(self) -> None:
         """Cancels what is under way: processes that are at it end within a second."""
         self._drop()
-        os.close(self.bell)
-        os.close(self.rung)
-        self.rung = -1
+        self.rung.close()
+        self.bell.close()
 
     def _drop(self) -> list[Task]:
         """Cancels what is under way, and returns its tasks."""
         link, self.link = self.link, _Link()
         futures = [future for _, future in link.sent.values()]
-        if futures and self.cluster.client.status == "running":
-            self.cluster.client.cancel(futures, force=True, asynchronous=False)
+        if self.cluster.client.status == "running":
+            with suppress(Exception):  # a scheduler that is gone has cancelled them
+                self.cluster.client.cancel([future for future in futures if future is not None], force=True)
         return [task for tasks, _ in link.sent.values() for task in tasks]
 
-    def _send(self, waiting: deque[Task]) -> None:
+    def _send(self, waiting: deque[Task]) -> bool:
+        """Sends chunks until enough are under way; whether the connection took them."""
         while waiting and len(self.link.sent) < max(UNDER_WAY, A_THREAD * self.threads):
             tasks = [waiting.popleft()]
             size = self._size(len(waiting) + 1)
             while len(tasks) < size and waiting and not {tasks[0].key, waiting[0].key} & self.alone:
                 tasks.append(waiting.popleft())
             number = next(self.numbers)
+            self.link.sent[number] = tasks, None
             chunk = self.chunk._replace(trials=tuple(self._sent(task) for task in tasks))
-            future = self.cluster.submit(chunk, (f"herd-trials-{self.chunk.client}", number))
+            try:
+                future = self.cluster.submit(chunk, (f"herd-trials-{self.chunk.client}", number))
+            except (OSError, ClosedClientError):
+                return False
             self.link.sent[number] = tasks, future
             self.cluster.schedule(self._fetch(number, future, self.link))
+        return bool(self.cluster.client.status == "running" or not self.link.back.empty())
 
     def _size(self, left: int) -> int:
         """Trials of the next chunk: fewer towards the end, so that all threads end at about the same time."""
@@ -156,8 +164,8 @@ class Hands:
         except BaseException as error:
             answer = error
         link.back.put((number, answer))
-        if self.rung >= 0:
-            os.write(self.rung, b"\0")
+        with suppress(OSError):  # nobody listens any more
+            self.rung.send(b"\0")
 
     async def _count(self) -> None:
         """Counts the cluster's threads."""
@@ -171,8 +179,6 @@ class Hands:
 
     def _taken(self, tasks: list[Task], answer: Any, waiting: deque[Task]) -> Iterator[Ended]:
         """The tasks of a chunk that has come back. What has not ended is put back."""
-        from distributed import KilledWorker
-
         if isinstance(answer, KilledWorker):
             if len(tasks) > 1:
                 self.alone |= {task.key for task in tasks}
@@ -184,9 +190,8 @@ class Hands:
         if isinstance(answer, StorageError):
             raise answer
         if isinstance(answer, BaseException):
-            raise InputError(
-                f"--cluster {self.cluster.address}: a worker cannot run trials ({told(answer)}); {self._finish}"
-            )
+            why = f"a worker cannot run trials ({told(answer)})"
+            raise InputError(f"--cluster {self.cluster.address}: {why}; {self._finish}")
         if not answer:  # not wanted any more by a worker that then left
             waiting.extendleft(reversed(tasks))
             return
