@@ -89,14 +89,14 @@ class Hands:
         Raises `Stopped` when one comes, and `InputError` for a cluster that cannot go on; what it had sent back until
         then was yielded.
         """
-        waiting = deque(tasks)
-        looked = 0.0
+        waiting, looked = deque(tasks), 0.0
+        heard: list[Any] = [wake, self.bell]
         while waiting or self.link.sent:
             if monotonic() - looked >= LOOK_S:
                 looked = monotonic()
                 self.cluster.schedule(self._count())
             lost = not self._send(waiting)
-            ready = [] if lost else select.select([wake, self.bell], [], [], LOOK_S)[0]
+            ready = [] if lost else select.select(heard, [], [], LOOK_S)[0]
             if wake in ready:
                 raise Stopped(os.read(wake, 1)[0])
             if self.bell in ready:

@@ -21,12 +21,13 @@ from trials.batch.batch import Summary, Work, run_batch
 from trials.batch.store import Row
 from trials.types import Trial
 
-pytest.importorskip("distributed", reason="needs dask.distributed: pip install 'create-herd[cluster]'")
-
-sys.path[:0] = [str(Path(__file__).parent), str(Path(__file__).parents[1])]
+sys.path.insert(0, str(Path(__file__).parent))
+sys.path.insert(0, str(Path(__file__).parents[1]))
 import dask_cluster
 import fake_trials
 from test_batch import batch, new_store, table
+
+pytest.importorskip("distributed", reason="needs dask.distributed: pip install 'create-herd[cluster]'")
 
 
 class Told:
@@ -170,7 +171,7 @@ def test_an_address_without_a_scheduler(monkeypatch: pytest.MonkeyPatch) -> None
     monkeypatch.setattr(cluster, "CONNECT_S", 0.5)
     with socket.socket() as nobody:  # bound, and nobody listens
         nobody.bind(("127.0.0.1", 0))
-        with pytest.raises(InputError, match="no Dask scheduler answered there within 0.5 s; start one with"):
+        with pytest.raises(InputError, match=r"no Dask scheduler answered there within 0\.5 s; start one with"):
             cluster.Cluster(f"tcp://127.0.0.1:{nobody.getsockname()[1]}")
 
 
