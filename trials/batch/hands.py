@@ -79,7 +79,8 @@ class Hands:
         """Keys of tasks that were in a chunk whose workers were lost: they are sent one by one."""
         self.threads = 0
         self.each_s = self.each_bytes = 0.0
-        """Wall time and size of the last trials."""
+        """Wall time and size of the last trials. The time falls slowly: a chunk of trials that are longer than those
+        before them would keep one thread for long."""
         self.bell, self.rung = socket.socketpair()
         """A byte comes in at `bell` for each answer."""
 
@@ -101,6 +102,7 @@ class Hands:
                 raise Stopped(os.read(wake, 1)[0])
             if self.bell in ready:
                 self.bell.recv(4096)
+            failure: InputError | None = None
             while not self.link.back.empty():
                 number, answer = self.link.back.get()
                 chunk, _ = self.link.sent.pop(number)
@@ -108,7 +110,12 @@ class Hands:
                     waiting.extendleft(reversed(chunk))
                     lost = True
                 else:
-                    yield from self._taken(chunk, answer, waiting)
+                    try:
+                        yield from self._taken(chunk, answer, waiting)
+                    except InputError as error:  # once all that has come is kept
+                        failure = failure or error
+            if failure is not None:
+                raise failure
             if lost:
                 self._return(waiting, wake)
 
@@ -201,7 +208,8 @@ class Hands:
         except InputError as error:
             raise InputError(f"{error}; {self._finish}") from None
         by_key = {task.key: task for task in tasks}
-        self.each_s = came.seconds / len(tasks)
+        each_s = came.seconds / len(tasks)
+        self.each_s = max(each_s, 0.8 * self.each_s + 0.2 * each_s)
         self.each_bytes = sum(len(each.series or b"") + len(each.recording or b"") for each in came.trials) / len(tasks)
         for each in came.trials:
             task = by_key[each.key]

@@ -63,7 +63,9 @@ class Cluster:
     def _start(self, words: list[str], home: Path = HOME) -> subprocess.Popen[bytes]:
         self.started += 1
         with (self.folder / f"{self.started}.log").open("wb") as log:
-            return subprocess.Popen([sys.executable, *words], stdout=log, stderr=log, env=environment(home))
+            return subprocess.Popen(
+                [sys.executable, *words], stdout=log, stderr=log, env=environment(home), cwd=self.folder
+            )
 
 
 def environment(home: Path) -> Mapping[str, str]:
