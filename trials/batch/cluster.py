@@ -171,7 +171,7 @@ def _greet(cluster: Cluster) -> None:
         for address, answer in answers.items():
             if isinstance(answer, BaseException):
                 raise InputError(
-                    f"--cluster {cluster.address}: worker {address} cannot run trials ({told(answer)}); expected "
+                    f"--cluster {cluster.address}: worker {address} or the scheduler cannot run trials ({told(answer)}); expected "
                     f"create-herd {cluster.own['versions']['create-herd']} on scheduler and workers: {EXTRA}"
                 )
         cluster.accept({address: answer.made_with for address, answer in answers.items()})
@@ -225,10 +225,12 @@ def _say(text: str) -> None:
 @contextmanager
 def _quiet() -> Iterator[None]:
     """Keeps Dask's log of a lost connection from the terminal: what matters of it is said in one line."""
-    log = logging.getLogger("distributed")
-    before = log.level
-    log.setLevel(logging.CRITICAL + 1)
+    logs = [logging.getLogger(name) for name in ("distributed", "asyncio", "tornado.application")]
+    before = [log.level for log in logs]
+    for log in logs:
+        log.setLevel(logging.CRITICAL + 1)
     try:
         yield
     finally:
-        log.setLevel(before)
+        for log, level in zip(logs, before, strict=True):
+            log.setLevel(level)
