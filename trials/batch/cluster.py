@@ -171,8 +171,9 @@ def _greet(cluster: Cluster) -> None:
         for address, answer in answers.items():
             if isinstance(answer, BaseException):
                 raise InputError(
-                    f"--cluster {cluster.address}: worker {address} or the scheduler cannot run trials ({told(answer)}); expected "
-                    f"create-herd {cluster.own['versions']['create-herd']} on scheduler and workers: {EXTRA}"
+                    f"--cluster {cluster.address}: worker {address} or the scheduler cannot run trials "
+                    f"({told(answer)}); expected create-herd {cluster.own['versions']['create-herd']} on scheduler "
+                    f"and workers: {EXTRA}"
                 )
         cluster.accept({address: answer.made_with for address, answer in answers.items()})
         silent = len(threads) - len(answers)
