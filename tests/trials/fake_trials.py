@@ -74,6 +74,9 @@ def run(trial: dict[str, Any], scans: str, files: Files) -> WorkerOutput:
         sys.exit("the law wants out")
     if act == "kill":
         os.kill(os.getpid(), signal.SIGKILL)
+    if act == "kill the parent":
+        os.kill(os.getppid(), signal.SIGKILL)
+        time.sleep(3600)
     if act == "hang":
         time.sleep(3600)
     if act == "mark":

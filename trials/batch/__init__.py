@@ -22,13 +22,14 @@ def run(
     record: str | None = None,
     until_decided: bool = False,
     budget: str | None = None,
+    cluster: str | None = None,
 ) -> Path:
     """Runs an experiment on all cores, as `herd run` does, and returns the run's folder; prints a summary.
 
     The arguments are the options of `herd run`: `settings` and `sweep` by dotted key, `record` one of `all`, `first`
-    and `none`, `budget` as `10m` or `40`. Workers import the script that calls this: the call must stand under
-    `if __name__ == "__main__":`. Raises `InputError` for anything that does not exist or fit, and where that line is
-    missing.
+    and `none`, `budget` as `10m` or `40`, `cluster` the address of a Dask scheduler, whose workers then run the trials.
+    Local workers import the script that calls this: the call must stand under `if __name__ == "__main__":`.
+    Raises `InputError` for anything that does not exist or fit, and where that line is missing.
     """
     from trials.batch import deciding, running, worker
 
@@ -45,4 +46,4 @@ def run(
         until_decided=until_decided,
         budget=deciding.budget(budget) if budget is not None else deciding.NO_BUDGET,
     )
-    return running.start(asked, out, jobs or worker.cores(), report=lambda folder: "")[1]
+    return running.start(asked, out, jobs or worker.cores(), report=lambda folder: "", cluster=cluster)[1]

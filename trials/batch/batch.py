@@ -11,17 +11,24 @@ import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 from flocking.errors import StorageError
 from trials import simulations
 from trials.batch import worker
 from trials.batch.crew import LAW, SLOW, WAITS, Crew, Ended, Stopped, Task, crew
+from trials.batch.kinds import kind_of
 from trials.batch.patience import STILL_S
+from trials.batch.runfile import digest
 from trials.batch.store import DIED, Row, Store
 from trials.batch.worker import Job, WorkerOutput
+from trials.invoked import command
 from trials.simulations import watch
 from trials.types import Group, Trial
+
+if TYPE_CHECKING:
+    from trials.batch.cluster import Cluster
+    from trials.batch.hands import Hands
 
 WARM_UP_LIMIT_S = 300.0
 """Processor time for filling the compiled cache, for each set of code."""
@@ -76,27 +83,30 @@ class Summary:
     """The signal that stopped it; 0 = none."""
 
 
-def run_batch(trials: Sequence[Trial], store: Store, progress: Progress, *, jobs: int, work: Work) -> Summary:
-    """Runs the trials in `jobs` worker processes and keeps each in the store as it ends.
+def run_batch(
+    trials: Sequence[Trial],
+    store: Store,
+    progress: Progress,
+    *,
+    jobs: int,
+    work: Work,
+    cluster: Cluster | None = None,
+) -> Summary:
+    """Runs the trials in `jobs` worker processes, or on a cluster, and keeps each in the store as it ends.
 
     A trial that fails or takes too long, whose law does not return or whose worker dies is kept as failed, with its
     reason; the others are not affected. SIGINT, SIGTERM and SIGHUP stop the batch; trials that ended before are kept.
-    Raises `StorageError` if the disk does not take a result, and `InputError` if no worker can be started.
+    Raises `StorageError` if the disk does not take a result, and `InputError` if no worker can be started or the
+    cluster cannot go on.
     """
     rows = list[Row]()
     with (
         _environment(worker.ONE_THREAD),
         _signals() as wake,
-        crew(
-            max(1, min(jobs, len(trials))),
-            worker.prepare,
-            (work.imports,),
-            law_limit_s=work.law_limit_s,
-            still_s=work.still_s,
-        ) as workers,
+        _engine(trials, store, progress, jobs, work, cluster) as workers,
     ):
         try:
-            if work.warm_up:
+            if isinstance(workers, Crew) and work.warm_up:
                 progress.say("compiling, where this machine has not yet")
                 _warm_up(workers, work, wake)
             while trials:
@@ -111,6 +121,28 @@ def run_batch(trials: Sequence[Trial], store: Store, progress: Progress, *, jobs
     return Summary(rows)
 
 
+@contextmanager
+def _engine(
+    trials: Sequence[Trial], store: Store, progress: Progress, jobs: int, work: Work, cluster: Cluster | None
+) -> Iterator[Crew | Hands]:
+    """Who runs the tasks: processes of this machine, or the workers of a cluster, which compile their code first."""
+    limits = {"law_limit_s": work.law_limit_s, "still_s": work.still_s}
+    if cluster is None:
+        with crew(max(1, min(jobs, len(trials))), worker.prepare, (work.imports,), **limits) as workers:
+            yield workers
+        return
+    from trials.batch.hands import Hands
+
+    first = {kind_of(trial): (digest(trial), _compiling(trial, work)) for trial in work.warm_up}
+    warm_up = {trial.index: first[kind_of(trial)] for trial in trials if kind_of(trial) in first}
+    again = command("resume", str(store.folder), "--cluster", cluster.address)
+    hands = Hands(cluster, work.imports, warm_up=warm_up, again=again, say=progress.say, **limits)
+    try:
+        yield hands
+    finally:
+        hands.stop()
+
+
 def _task(trial: Trial, store: Store, work: Work) -> Task:
     files = store.files(trial.index, trial.index in work.recorded)
     return Task(trial.index, worker.attempt, (work.run, trial.as_dict(), work.scans, files), work.limit_s(trial))
@@ -119,8 +151,12 @@ def _task(trial: Trial, store: Store, work: Work) -> Task:
 def _warm_up(workers: Crew, work: Work, wake: int) -> None:
     """Runs the first moment of each trial of the warm-up. Errors are left to the trials themselves."""
     for trial in work.warm_up:
-        for _ in workers.run([Task(trial.index, worker.warm_up, (trial.as_dict(), work.run), WARM_UP_LIMIT_S)], wake):
+        for _ in workers.run([_compiling(trial, work)], wake):
             pass
+
+
+def _compiling(trial: Trial, work: Work) -> Task:
+    return Task(trial.index, worker.warm_up, (trial.as_dict(), work.run), WARM_UP_LIMIT_S)
 
 
 def _output(ended: Ended, trial: Trial, work: Work) -> WorkerOutput:

@@ -14,15 +14,25 @@ PACKAGES = ("create-herd", "mujoco", "numba", "numpy", "scipy", "rerun-sdk")
 
 def made_with() -> dict[str, Any]:
     """Versions, the commit and the state of the sources, the type of the processor."""
+    own = alike()
+    return {
+        "versions": own["versions"],
+        "commit": _commit(Path(__file__).resolve().parents[2]),
+        "sources": own["sources"],
+        "cpu": own["cpu"],
+        "system": platform.platform(),
+    }
+
+
+def alike() -> dict[str, Any]:
+    """What must be equal for equal results: versions, the sources as they stand on the disk now, the processor."""
     from flocking.compilation import PACKAGES as COMPILED_PACKAGES
     from flocking.compilation import sources_digest
 
     return {
         "versions": {"python": platform.python_version(), **{name: _version(name) for name in PACKAGES}},
-        "commit": _commit(Path(__file__).resolve().parents[2]),
-        "sources": sources_digest((*COMPILED_PACKAGES, "trials", "worlds")),
+        "sources": sources_digest.__wrapped__((*COMPILED_PACKAGES, "trials", "worlds")),
         "cpu": _cpu(),
-        "system": platform.platform(),
     }
 
 
@@ -35,6 +45,15 @@ def differences(before: Mapping[str, Any], now: Mapping[str, Any]) -> list[str]:
     if before.get("cpu") != now["cpu"]:
         found.append(f"processor {before.get('cpu')} → {now['cpu']}")
     return found
+
+
+def is_other_version(one: Mapping[str, Any], other: Mapping[str, Any]) -> bool:
+    """Whether create-herd is of two versions, or two states of its sources, in two answers of `alike`."""
+    return _herd_of(one) != _herd_of(other)
+
+
+def _herd_of(made: Mapping[str, Any]) -> tuple[str, str]:
+    return made["versions"]["create-herd"], made["sources"]
 
 
 def _version(name: str) -> str:

@@ -7,14 +7,15 @@ import signal
 import sys
 import tempfile
 import traceback
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from functools import partial
 from pathlib import Path
 from time import monotonic
 from types import ModuleType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from flocking import lawdata, lawentry, users_files
 from flocking.errors import InputError
@@ -24,12 +25,16 @@ from trials.batch import deciding, folders, machine, progress, runfile, store, w
 from trials.batch.batch import Work, run_batch
 from trials.batch.crew import check_main_guard
 from trials.batch.deciding import NO_BUDGET, Budget
+from trials.batch.kinds import kinds
 from trials.batch.store import Row, Store
 from trials.design import DEFAULT_SEED, Plan, load, plan
 from trials.evidence.looks import planned_looks
 from trials.invoked import command, herd, spelled
 from trials.keys import AVOIDS
 from trials.types import Trial
+
+if TYPE_CHECKING:
+    from trials.batch.cluster import Cluster
 
 SHOWN_FAILURES = 10
 """Failed trials that the summary at the end lists."""
@@ -131,8 +136,11 @@ def users_laws(asked: Asked) -> list[str]:
     return list(dict.fromkeys(filter(is_path, names)))
 
 
-def start(asked: Asked, out: Path | None, jobs: int, report: Report) -> tuple[int, Path]:
-    """Runs what is asked for into a new folder and reports; returns the exit code and the folder."""
+def start(asked: Asked, out: Path | None, jobs: int, report: Report, cluster: str | None = None) -> tuple[int, Path]:
+    """Runs what is asked for into a new folder and reports; returns the exit code and the folder.
+
+    `cluster`: address of a Dask scheduler, whose workers run the trials in place of `jobs` processes.
+    """
     check_main_guard()
     made, chosen = planned(asked)
     for note in made.notes:
@@ -162,13 +170,13 @@ def start(asked: Asked, out: Path | None, jobs: int, report: Report) -> tuple[in
         "trials": [trial.as_dict() for trial in chosen],
     }
     experiment = load(asked.experiment)
-    with folders.new_folder(out, made.experiment) as folder:
+    with engine(cluster, chosen) as hands, folders.new_folder(out, made.experiment) as folder:
         if asked.until_decided:
             looks = looks_of(asked)
             run["until_decided"] = deciding.laid_down(folder, chosen, experiment, looks, asked.budget)
         kept = store.create(folder, run, code_of(chosen))
         try:
-            return _run_rest(kept, jobs, report, experiment), folder
+            return _run_rest(kept, jobs, report, experiment, hands), folder
         except InputError:  # nothing could be run: no unfinished run is left behind
             if not kept.rows():
                 store.removed(kept)
@@ -177,17 +185,17 @@ def start(asked: Asked, out: Path | None, jobs: int, report: Report) -> tuple[in
             kept.close()
 
 
-def resume(folder: Path, jobs: int, report: Report, experiment: str | None = None) -> int:
+def resume(folder: Path, jobs: int, report: Report, experiment: str | None = None, cluster: str | None = None) -> int:
     """Runs the trials of a run that have not ended yet; returns the exit code.
 
     `experiment`: the path of a user's own, whose claims say what is left of a run until decided.
 
     A trial that failed has ended, so the table is the same as if the run had not been interrupted. A trial whose worker
-    died has not.
+    died has not. `cluster` as in `start`.
     """
     kept = store.opened(folder)
     try:
-        with folders.alone(folder):
+        with folders.alone(folder), engine(cluster, kept.trials) as hands:
             code = code_of(kept.trials)
             store.check_code(kept, code)
             changed = machine.differences(kept.run, machine.made_with())
@@ -201,9 +209,25 @@ def resume(folder: Path, jobs: int, report: Report, experiment: str | None = Non
                 print(f"note: runs the user's {', '.join(users)}", file=sys.stderr)
             _tell_misfits(kept)
             module = deciding.experiment_of(kept, experiment) if "until_decided" in kept.run else None
-            return _run_rest(kept, jobs, report, module)
+            return _run_rest(kept, jobs, report, module, hands)
     finally:
         kept.close()
+
+
+@contextmanager
+def engine(address: str | None, trials: Sequence[Trial]) -> Iterator[Cluster | None]:
+    """The cluster at that address, for these trials; None for none.
+
+    Raises `InputError` if no scheduler answers there, or the trials or the cluster's versions do not fit.
+    """
+    if address is None:
+        yield None
+        return
+    from trials.batch import cluster
+
+    cluster.check_travels(trials)
+    with cluster.connected(address) as connected:
+        yield connected
 
 
 def debug(asked: Asked) -> int:
@@ -271,23 +295,6 @@ def declared_laws(trials: Sequence[Trial]) -> dict[str, Any]:
     return {runfile.text_digest(source): lawdata.as_data(*module) for source, module in modules.items()}
 
 
-def kinds(trials: Sequence[Trial]) -> list[Trial]:
-    """One trial for each combination of laws, pipelines and the like: running these compiles all code beforehand."""
-    found: dict[Any, Trial] = {}
-    for trial in trials:
-        code = tuple(
-            (trial.simulation, trial.world, g.pipeline, g.selection, g.law, g.law_source, _names_in(g.setup))
-            for g in trial.groups
-        )
-        found.setdefault(code, trial)
-    return list(found.values())
-
-
-def _names_in(setup: Mapping[str, Any]) -> tuple[tuple[str, str], ...]:
-    """The entries of a setup that are text: names of bodies, of settings and of ways to sense."""
-    return tuple(sorted((key, value) for key, value in setup.items() if isinstance(value, str)))
-
-
 def ranges(indices: Sequence[int], between: str = ",") -> str:
     """Whole numbers in short: 1-4,9."""
     parts: list[list[int]] = []
@@ -299,7 +306,9 @@ def ranges(indices: Sequence[int], between: str = ",") -> str:
     return between.join(str(a) if a == b else f"{a}-{b}" for a, b in parts)
 
 
-def _run_rest(kept: Store, jobs: int, report: Report, experiment: ModuleType | None) -> int:
+def _run_rest(
+    kept: Store, jobs: int, report: Report, experiment: ModuleType | None, cluster: Cluster | None = None
+) -> int:
     """Runs the trials that have no row yet or whose worker died, and reports; returns the exit code.
 
     Of a run until decided it runs those that the next look needs, look by look; `experiment` then has its claims.
@@ -336,14 +345,16 @@ def _run_rest(kept: Store, jobs: int, report: Report, experiment: ModuleType | N
                     warm_up=kinds(left),
                     more=partial(blocks.next, shown) if blocks is not None else None,
                 ),
+                cluster=cluster,
             )
         stopped, new = summary.stopped, len(summary.rows)
     rows = kept.rows()
     if stopped:
         expected = max(expected, len(rows)) if blocks is None else blocks.expected
+        where = ["--cluster", cluster.address] if cluster is not None else []
         print(
             f"herd: stopped; {len(rows)} of {expected} trials are kept in {kept.folder}; "
-            f"finish it with: {command('resume', str(kept.folder))}",
+            f"finish it with: {command('resume', str(kept.folder), *where)}",
             file=sys.stderr,
         )
         return 128 + stopped

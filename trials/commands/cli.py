@@ -55,6 +55,10 @@ Repeats = Annotated[
 ]
 Seed = Annotated[int, Option(parser=_whole(0, 2**63 - 1), metavar="S", help="Of all random numbers.")]
 Jobs = Annotated[int | None, Option(parser=_whole(1), metavar="J", help="Worker processes; all cores by default.")]
+Cluster = Annotated[
+    str | None,
+    Option(metavar="ADDRESS", help="Of a Dask scheduler, whose workers run the trials: tcp://HOST:8786."),
+]
 Law = Annotated[str | None, Option(help="Another law: its name or the path of your own file.")]
 Pipeline = Annotated[str | None, Option(help="Another member detection.")]
 Body = Annotated[str | None, Option(help="Another robot: its name or the path of your own folder.")]
@@ -152,6 +156,7 @@ def run(
     ] = None,
     seed: Seed = 1,
     jobs: Jobs = None,
+    cluster: Cluster = None,
     out: Annotated[
         Path | None, Option(metavar="DIR", help="Folder of the run; runs/EXPERIMENT/NNN by default.")
     ] = None,
@@ -205,16 +210,17 @@ def run(
         return 0
     if debug:
         return running.debug(asked)
-    return running.start(asked, out, jobs or _cores(), _report)[0]
+    return running.start(asked, out, _jobs(jobs, cluster), _report, cluster)[0]
 
 
 @app.command()
-def resume(folder: Run = None, jobs: Jobs = None, experiment: OwnExperiment = None) -> int:
+def resume(folder: Run = None, jobs: Jobs = None, experiment: OwnExperiment = None, cluster: Cluster = None) -> int:
     """Finishes an interrupted run."""
     from trials.batch import running
 
     own = str(experiment) if experiment is not None else None
-    return running.resume(_run_folder(folder), jobs or _cores(), partial(_report, experiment=own), own)
+    told = partial(_report, experiment=own)
+    return running.resume(_run_folder(folder), _jobs(jobs, cluster), told, own, cluster)
 
 
 @app.command()
@@ -372,8 +378,11 @@ def _report(folder: Path, as_json: bool = False, experiment: str | None = None) 
         raise _StoppedError(f"the report of {folder} is not complete; make it with: {again}") from None
 
 
-def _cores() -> int:
-    return len(os.sched_getaffinity(0))
+def _jobs(jobs: int | None, cluster: str | None) -> int:
+    """Worker processes of this machine: all cores by default."""
+    if jobs is not None and cluster is not None:
+        raise InputError(f"--jobs {jobs}: counts processes of this machine; expected --jobs or --cluster, not both")
+    return jobs or len(os.sched_getaffinity(0))
 
 
 def _run_folder(folder: Path | None) -> Path:
