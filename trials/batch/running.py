@@ -170,10 +170,11 @@ def start(asked: Asked, out: Path | None, jobs: int, report: Report, cluster: st
         "trials": [trial.as_dict() for trial in chosen],
     }
     experiment = load(asked.experiment)
+    if asked.until_decided:
+        planned_for = out or Path("runs") / made.experiment / "new"
+        looks = looks_of(asked)
+        run["until_decided"] = deciding.laid_down(planned_for, chosen, experiment, looks, asked.budget)
     with engine(cluster, chosen) as hands, folders.new_folder(out, made.experiment) as folder:
-        if asked.until_decided:
-            looks = looks_of(asked)
-            run["until_decided"] = deciding.laid_down(folder, chosen, experiment, looks, asked.budget)
         kept = store.create(folder, run, code_of(chosen))
         try:
             return _run_rest(kept, jobs, report, experiment, hands), folder

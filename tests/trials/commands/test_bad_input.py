@@ -332,6 +332,26 @@ def test_a_folder_that_holds_another_run_stays_as_it_is(refused, tmp_path: Path)
     assert "herd resume out" in line
 
 
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        (["lch-table-4-1", "--until-decided", "--only", "3"], "expected one of the two"),
+        (["detection-ideal", "--until-decided"], "has no claims"),
+        (["lch-table-4-1", "--until-decided", "--budget", "0"], "above 0"),
+        (["lch-table-4-1", "--until-decided", "--budget", "0m"], "above 0"),
+        (["lch-table-4-1", "--until-decided", "--budget", "soon"], "10m, 90s or 40"),
+        (["lch-table-4-1", "--budget", "40"], "--until-decided"),
+        (
+            ["detection-case-study", "--until-decided", "--set", "herd.pipeline=perfect"],
+            "no number of repeats decides a claim",
+        ),
+    ],
+)
+def test_what_cannot_be_decided_is_refused(refused, words: list[str], expected: str, tmp_path: Path) -> None:
+    assert expected in refused("run", *words)
+    assert not list(tmp_path.glob("runs/*/*"))
+
+
 def test_a_world_is_not_written_over_a_file(refused, tmp_path: Path) -> None:
     (tmp_path / "world.xml").write_text("mine")
     assert "there is such a file" in refused("world", "detection-case-study", "--out", "world.xml")

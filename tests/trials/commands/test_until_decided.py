@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 from flocking.errors import InputError
+from trials.batch import runfile
 from trials.batch.deciding import Budget, budget
 
 HERD = (sys.executable, "-m", "trials.commands.cli")
@@ -82,29 +83,6 @@ def test_a_killed_run_with_other_workers_comes_to_the_same(run: Path) -> None:
     assert entries(killed) == entries(run)
 
 
-@pytest.mark.parametrize(
-    ("words", "expected"),
-    [
-        (["lch-table-4-1", "--until-decided", "--only", "3"], "expected one of the two"),
-        (["detection-ideal", "--until-decided"], "has no claims"),
-        (["lch-table-4-1", "--until-decided", "--budget", "0"], "above 0"),
-        (["lch-table-4-1", "--until-decided", "--budget", "0m"], "above 0"),
-        (["lch-table-4-1", "--until-decided", "--budget", "soon"], "10m, 90s or 40"),
-        (["lch-table-4-1", "--budget", "40"], "--until-decided"),
-        (
-            ["detection-case-study", "--until-decided", "--set", "herd.pipeline=perfect"],
-            "no number of repeats decides a claim",
-        ),
-    ],
-)
-def test_what_cannot_be_decided_is_refused_in_one_line(words: list[str], expected: str, tmp_path: Path) -> None:
-    done = herd("run", *words, cwd=tmp_path)
-    assert done.returncode == 2
-    assert expected in done.stderr
-    assert done.stderr.count("\n") == 1
-    assert not (tmp_path / "runs").exists() or not list(tmp_path.glob("runs/*/*"))
-
-
 def test_budgets() -> None:
     assert budget("10m") == Budget(seconds=600.0)
     assert budget("90 s") == Budget(seconds=90.0)
@@ -122,12 +100,7 @@ def test_budgets() -> None:
 def test_a_damaged_plan_is_told_in_one_line(run: Path, change: dict[str, object], tmp_path: Path) -> None:
     told = json.loads((run / "run.json").read_text())
     told["until_decided"] |= change
-    place = tmp_path / "run"
-    place.mkdir()
-    for name in ("results.sqlite",):
-        (place / name).write_bytes((run / name).read_bytes())
-    (place / "run.json").write_text(json.dumps(told))
-    done = herd("report", "run", cwd=tmp_path)
-    assert done.returncode == 2
-    assert "run.json is damaged" in done.stderr
-    assert done.stderr.count("\n") == 1
+    (tmp_path / "run.json").write_text(json.dumps(told))
+    with pytest.raises(InputError, match=r"run\.json is damaged") as caught:
+        runfile.read(tmp_path)
+    assert "\n" not in str(caught.value)
