@@ -7,6 +7,7 @@ its bounds. A parameter whose value differs among the experiment's conditions fo
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
@@ -17,7 +18,8 @@ from flocking.errors import InputError, unknown_name
 from flocking.parameters import Declared
 from flocking.types import Floats
 from trials import keys, simulations
-from trials.design import Plan
+from trials.design import Plan, load
+from trials.rows import Row
 from trials.types import Trial, Value
 
 HALF, TWICE = 0.5, 2.0
@@ -62,8 +64,16 @@ def choices(plan: Plan, only: Sequence[str] | None = None) -> tuple[list[Choice]
 
     `only`: the keys of those that are wanted. Raises `InputError` for one that is no such choice.
     """
-    told = {row.key: row for row in plan.parameters}
-    about, values = _declared(plan.trials), _values(plan.trials)
+    sources = getattr(load(plan.experiment), "SOURCES", {})
+    kinds = _kinds(plan.trials)
+    about, told, values = _declared(kinds), dict[str, Row](), dict[str, dict[Any, None]]()
+    for trial in kinds:
+        for row in keys.rows(trial, sources):
+            told.setdefault(row.key, row)
+            values.setdefault(row.key, {})[row.value] = None
+    for key, own in sources.items():
+        if key in about and own.plausible is not None:
+            about[key] = about[key]._replace(about=dataclasses.replace(about[key].about, plausible=own.plausible))
     found, without = dict[str, Choice](), list[str]()
     for key, row in told.items():
         if row.published or key in plan.conditions or key in plan.sweep or len(values.get(key, {})) != 1:
@@ -122,25 +132,16 @@ def _kinds(trials: Sequence[Trial]) -> list[Trial]:
     return list(found.values())
 
 
-def _declared(trials: Sequence[Trial]) -> dict[str, Declared]:
+def _declared(kinds: Sequence[Trial]) -> dict[str, Declared]:
     """How each key of these trials is declared."""
     found: dict[str, Declared] = {}
-    for trial in _kinds(trials):
+    for trial in kinds:
         keys_of = simulations.of(trial).keys_of
         for group in (None, *trial.groups):
             start = "" if group is None else f"{group.name}."
             for section in keys_of(trial, group):
                 for name, about in section.parameters.items():
                     found.setdefault(f"{start}{section.prefix}{name}", about)
-    return found
-
-
-def _values(trials: Sequence[Trial]) -> Mapping[str, dict[Any, None]]:
-    """The values that each key has among these trials."""
-    found: dict[str, dict[Any, None]] = {}
-    for trial in _kinds(trials):
-        for row in keys.rows(trial):
-            found.setdefault(row.key, {})[row.value] = None
     return found
 
 
