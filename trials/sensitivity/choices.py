@@ -40,7 +40,7 @@ class Choice(NamedTuple):
     high: float
     """Of a number; of names 0 and how many there are."""
     names: tuple[Value, ...] = ()
-    """Of a text or a truth value: all that it may be."""
+    """Of a text, a truth value, or a number that has none between some: all that it may be, in order."""
 
     def at(self, place: float) -> Value:
         """The value at a place in [0, 1]."""
@@ -107,7 +107,7 @@ def _choice(key: str, value: Any, unit: str, source: str, about: Declared) -> Ch
     plausible = about.about.plausible
     if plausible == ():
         return None
-    if isinstance(value, str | bool):
+    if isinstance(value, str | bool) or (plausible is not None and len(plausible) > 2):
         names = tuple(plausible or ())
         if len(names) < 2 or value not in names:
             return None

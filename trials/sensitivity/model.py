@@ -63,16 +63,21 @@ class Model:
     """Cells that are run; None: all."""
 
     def parts(self, point: Floats) -> list[Part]:
-        """The trials of a point (k,). Raises `InputError` where its values do not fit together."""
+        """The trials of a point (k,), checked. Raises `InputError` where its values do not fit together."""
+        found = self.planned(point)
+        for part in found:
+            for trial in part.trials:
+                simulations.check(trial)
+        return found
+
+    def planned(self, point: Floats) -> list[Part]:
+        """The trials of a point (k,)."""
         given = settings(self.varied, point)
         numbers, found = itertools.count(1), []
         for experiment, own in ((self.experiment, {}), *self.supplements):
             made = plan(experiment, repeats=self.repeats, seed=self.seed, settings={**own, **given}).trials
             kept = [trial for trial in made if self.wanted is None or cell(experiment, trial) in self.wanted]
             found.append(Part(experiment, [dataclasses.replace(trial, index=next(numbers)) for trial in kept]))
-        for part in found:
-            for trial in part.trials:
-                simulations.check(trial)
         return found
 
     def outputs(self, parts: Sequence[Part], rows: Mapping[int, Row]) -> list[Output]:
@@ -120,7 +125,7 @@ def supplements(model: Model, claim: int) -> tuple[Supplement, ...]:
     place = np.full(len(model.varied), OFF_REFERENCE)
     given, found = settings(model.varied, place), list[Supplement]()
     while True:
-        parts = dataclasses.replace(model, supplements=tuple(found), wanted=None).parts(place)
+        parts = dataclasses.replace(model, supplements=tuple(found), wanted=None).planned(place)
         entries = judged(parts, {})
         words = entries[claim - 1].words if claim <= len(entries) else ()
         if len(words) < 2 or words[0] != "run" or words[1] in [each.experiment for each in found]:

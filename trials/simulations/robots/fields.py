@@ -114,7 +114,7 @@ class GroupFields(NamedTuple):
     rate_hz: Annotated[
         float,
         Parameter(
-            "Hz", "not published: the laser's scan rate (data sheet)", low=0.1, high=100.0, plausible=(5.0, 10.0)
+            "Hz", "not published: the laser's scan rate (data sheet)", low=0.1, high=100.0, plausible=(5.0, 6.25, 10.0)
         ),
     ] = 10.0
     phase: Annotated[
@@ -133,7 +133,7 @@ class GroupFields(NamedTuple):
             "not published: somewhat less than half a scan from sensing to acting",
             low=0.0,
             high=10.0,
-            plausible=(0.0, 0.1),
+            plausible=(0.0, 0.02, 0.04, 0.06, 0.08, 0.1),
         ),
     ] = 0.04
     start_moving: Annotated[
