@@ -128,7 +128,7 @@ def explore(
     flips = {line.claim: _flip(line, reference, snap) for line in lines}
     return Explored(
         active=active,
-        fixed_for_budget=[k for k in matter if k not in active] if base else [],
+        fixed_for_budget=[k for k in matter if k not in active],
         trajectories=trajectories,
         base=base,
         points=spent,

@@ -27,8 +27,8 @@ REFUSED = "refused"
 class StoppedError(Exception):
     """A signal stopped the trials of an analysis, which can go on."""
 
-    def __init__(self, number: int, ended: int, planned: int) -> None:
-        super().__init__(f"{ended} of {planned} trials of this stage are kept")
+    def __init__(self, number: int, told: str = "what has ended is kept") -> None:
+        super().__init__(told)
         self.number = number
         """Of the signal."""
         self.folder: Path | None = None
@@ -111,7 +111,8 @@ def _run(model: Model, ledger: Ledger, stage: str, work: Mapping[int, _Point], j
             work=Work(imports=worker.imports_of(trials), warm_up=kinds(trials)),
         )
     if summary.stopped:
-        raise StoppedError(summary.stopped, planned - len(trials) + len(summary.rows), planned)
+        ended = planned - len(trials) + len(summary.rows)
+        raise StoppedError(summary.stopped, f"{ended} of {planned} trials of this stage are kept")
 
 
 def _close(model: Model, ledger: Ledger, stage: str, number: int, point: _Point) -> None:

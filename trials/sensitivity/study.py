@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import signal
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -84,6 +85,10 @@ def start(asked: Asked, out: Path | None, jobs: int) -> tuple[str, Path]:
         ledger = opened(folder, kept_as)
         try:
             return _run(asked, made, model, count, without, ledger, jobs), folder
+        except KeyboardInterrupt:  # between two batches
+            stop = StoppedError(signal.SIGINT)
+            stop.folder = folder
+            raise stop from None
         except StoppedError as stop:
             stop.folder = folder
             raise

@@ -13,7 +13,7 @@ from trials.evidence.claims import Entry
 from trials.invoked import command, spelled
 from trials.sensitivity.analysis import Share
 from trials.sensitivity.choices import Choice, settings
-from trials.sensitivity.explore import MATTERS, Explored, Findings, Flip
+from trials.sensitivity.explore import LEAST_BASE, MATTERS, Explored, Findings, Flip
 from trials.sensitivity.model import Model
 from trials.types import Value
 
@@ -61,8 +61,11 @@ def told(context: Context, explored: Explored) -> str:
 
 def _second(context: Context, explored: Explored) -> str:
     """What became of the variance-based analysis."""
+    if not explored.base and not explored.fixed_for_budget:
+        return "no variance-based analysis, as nothing varies"
     if not explored.base:
-        return "no variance-based analysis: nothing varies, or the budget is too small for it"
+        least = 3 * LEAST_BASE * context.trials_each
+        return f"no variance-based analysis: that of a single choice takes {least} trials more"
     lacking = [context.model.varied[k].key for k in explored.fixed_for_budget]
     beside = f"; the budget has no room for {', '.join(lacking)}" if lacking else ""
     return (
