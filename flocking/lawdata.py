@@ -95,11 +95,15 @@ def _parameter(field: Declared) -> list[Any]:
     told |= {side: value for side, value in (("low", about.low), ("high", about.high)) if math.isfinite(value)}
     if about.choices:
         told["choices"] = list(about.choices)
+    if about.plausible is not None:
+        told["plausible"] = list(about.plausible)
     return [field.name, field.type.__name__, field.default, told]
 
 
 def _bounds(about: Mapping[str, Any]) -> dict[str, Any]:
     found: dict[str, Any] = {side: float(about[side]) for side in ("low", "high") if side in about}
+    if "plausible" in about:
+        found["plausible"] = tuple(about["plausible"])
     return {**found, "choices": tuple(about.get("choices", ()))}
 
 

@@ -42,6 +42,11 @@ class Parameter:
     """Of such a text: the path of a file or a folder of the user's own will do as well."""
     reads: Callable[[str], object] | None = None
     """Of a text with a grammar: what reads it, and raises `InputError` where it cannot."""
+    plausible: tuple[Any, ...] | None = None
+    """Of a choice, what else would have been as good: the lowest and highest number, or three and more where there are
+    none between; all values of a text or of a truth value. `herd sensitivity` varies it there, and docs/sensitivity.md
+    has the reasons. None: a number from half of it to twice, a text or a truth value not at all. (): never varied, as
+    no verdict is to hang on it or it follows from others."""
 
 
 COMPARISONS: Mapping[str, Callable[[Any, Any], bool]] = MappingProxyType(

@@ -23,11 +23,14 @@ class Parameters(NamedTuple):
         Parameter("m", "Fine 2015, section 2.3.1: seven robot diameters", published=True, low=0.5, high=100.0),
     ] = 7 * ROBOT_DIAMETER
     length_m: Annotated[
-        float, Parameter("m", "so long that no trial of a minute reaches its end", low=2.0, high=10000.0)
+        float, Parameter("m", "so long that no trial of a minute reaches its end", low=2.0, high=10000.0, plausible=())
     ] = 80.0
+    # plausible: from bare wood to fresh white paint
     reflectance: Annotated[
         float,
-        Parameter("", "white paint, diffuse; the walls' material was not published", low=0.01, high=1.0),
+        Parameter(
+            "", "white paint, diffuse; the walls' material was not published", low=0.01, high=1.0, plausible=(0.4, 0.9)
+        ),
     ] = 0.8
 
 

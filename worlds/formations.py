@@ -21,10 +21,24 @@ from flocking.types import Floats
 _ATTEMPTS = 100_000
 _CHOICE = "a choice: Fine 2015, figure 2.5, is drawn without numbers"
 
-SpacingM = Annotated[float, Parameter("m", f"{_CHOICE}; about three robot diameters", low=0.01, high=100.0)]
-JitterM = Annotated[float, Parameter("m", "a choice: standard deviation of each coordinate", low=0.0, high=10.0)]
+# plausible: beyond the repulsion distance, up to where the view of the next but one closes
+SpacingM = Annotated[
+    float, Parameter("m", f"{_CHOICE}; about three robot diameters", low=0.01, high=100.0, plausible=(0.7, 1.5))
+]
+# plausible: from places marked on the floor to places taken by eye
+JitterM = Annotated[
+    float, Parameter("m", "a choice: standard deviation of each coordinate", low=0.0, high=10.0, plausible=(0.0, 0.1))
+]
+# plausible: seen beside the next ahead, and clear of the walls
 AsideM = Annotated[
-    float, Parameter("m", "a choice: from the file's middle, by turns to the left and right", low=0.0, high=50.0)
+    float,
+    Parameter(
+        "m",
+        "a choice: from the file's middle, by turns to the left and right",
+        low=0.0,
+        high=50.0,
+        plausible=(0.1, 0.4),
+    ),
 ]
 HeadingSpreadDeg = Annotated[
     float,
@@ -95,7 +109,12 @@ class SplitFile(NamedTuple):
     """From one member of a file to the next, along the file."""
     gap_m: Annotated[
         float,
-        Parameter("m", "a choice: from the front file's last to the rear's first; as in a split group", low=0.01),
+        Parameter(
+            "m",
+            "a choice: from the front file's last to the rear's first; as in a split group",
+            low=0.01,
+            plausible=(2.0, 4.0),
+        ),
     ] = 3.0
     aside_m: AsideM = 0.25
     jitter_m: JitterM = 0.05

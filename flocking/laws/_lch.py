@@ -29,7 +29,10 @@ StepM = Annotated[
     Parameter("m", "d of Fine 2015, section 4.1; our choice, which gives table 4.1's spread of 0.05", low=0.0),
 ]
 KeepsDirection = Annotated[
-    bool, Parameter("", "Fine 2015, section 4.2: a robot that sees nobody goes on; as printed it stays")
+    bool,
+    Parameter(
+        "", "Fine 2015, section 4.2: a robot that sees nobody goes on; as printed it stays", plausible=(False, True)
+    ),
 ]
 
 UNPRINTED = "a variation of LCH by chapter 4 and Fine and Shell 2012, which the tables do not hold"

@@ -54,8 +54,14 @@ class Parameters(NamedTuple):
         float, Parameter("m", f"{SOURCE}: alpha d, with alpha = 1.6 of 1.3, 1.6, 1.9", published=True, low=0.0)
     ] = 1.6
     length_m: Annotated[float, Parameter("m", f"{SOURCE}: the stable distance d", published=True, low=0.0)] = 1.0
-    spring_per_s2: Annotated[float, Parameter("1/s²", "our choice: k_p, not published", low=0.0)] = 1.0
-    damper_per_s: Annotated[float, Parameter("1/s", "our choice: k_v, not published", low=0.0)] = 1.0
+    # plausible: equation 7 fits a k_p of 1 alone, and neither unit was published; four times either way
+    spring_per_s2: Annotated[
+        float, Parameter("1/s²", "our choice: k_p, not published", low=0.0, plausible=(0.25, 4.0))
+    ] = 1.0
+    # plausible: from none to four times k_p, far beyond critical damping of a pair
+    damper_per_s: Annotated[
+        float, Parameter("1/s", "our choice: k_v, not published", low=0.0, plausible=(0.0, 4.0))
+    ] = 1.0
     mass: Annotated[float, Parameter("", "our choice: equation 4 has none; divides both coefficients", low=1e-6)] = 1.0
 
 

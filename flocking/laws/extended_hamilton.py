@@ -60,15 +60,24 @@ NONE, SNN, HAMILTON, PERPENDICULAR = range(4)
 class Parameters(NamedTuple):
     """Of the extended rule."""
 
+    # plausible: two body-lengths of a machine of 0.30 to 0.40 m, with what stands on it
     repulsion_m: Annotated[
         float,
-        Parameter("m", "Fine 2015, section 2.1.1: two body-lengths; body-length = the Create's diameter", low=0.0),
+        Parameter(
+            "m",
+            "Fine 2015, section 2.1.1: two body-lengths; body-length = the Create's diameter",
+            low=0.0,
+            plausible=(0.6, 0.8),
+        ),
     ] = 0.66
     exclusion_m: Annotated[
         float, Parameter("m", "Fine 2015, section 2.3.1 (0, 0.5 and 1 m)", published=True, low=0.0)
     ] = 0.5
     beyond_gap: Annotated[
-        bool, Parameter("", "our reading of section 2.2: the way-point never lies beyond the second member")
+        bool,
+        Parameter(
+            "", "our reading of section 2.2: the way-point never lies beyond the second member", plausible=(False, True)
+        ),
     ] = False
 
 

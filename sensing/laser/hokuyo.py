@@ -49,6 +49,7 @@ class Parameters(NamedTuple):
             "m",
             f"{_SHEET}: 30 mm from 60 to 1000 mm, then 3 %, taken as three standard deviations",
             low=0.0,
+            plausible=(0.002, 0.015),
             high=1.0,
         ),
     ] = 0.010
@@ -60,16 +61,26 @@ class Parameters(NamedTuple):
     """0 = not rounded."""
     footprint_rad: Annotated[
         float,
-        Parameter("rad", f"{_SHEET}: footprint below 20 mm at 2 m, up to 40 mm at 4 m", low=0.0, high=0.012),
+        Parameter(
+            "rad",
+            f"{_SHEET}: footprint below 20 mm at 2 m, up to 40 mm at 4 m",
+            low=0.0,
+            high=0.012,
+            plausible=(0.005, 0.012),
+        ),
     ] = 0.010
     """Width of a beam, which decides the mixed readings at edges; 0 = none."""
-    dropout: Annotated[float, Parameter("", "a choice: one reading in a thousand", low=0.0, high=1.0)] = 0.001
+    dropout: Annotated[
+        float, Parameter("", "a choice: one reading in a thousand", low=0.0, high=1.0, plausible=(0.0, 0.01))
+    ] = 0.001
     """Share of readings lost, whatever is hit: they read nan."""
     intensity_noise: Annotated[float, Parameter("", "a choice: a tenth of the intensity", low=0.0, high=1.0)] = 0.10
     """Standard deviation of an intensity, relative to it."""
     intensity_mode: Annotated[
         str,
-        Parameter("", "a choice: whether this laser returns intensity is not documented", choices=MODES),
+        Parameter(
+            "", "a choice: whether this laser returns intensity is not documented", choices=MODES, plausible=MODES
+        ),
     ] = "ideal"
     """`ideal`: every beam has range and intensity. `half-resolution`: where intensity is read, ranges come from
     the even beams and intensities from their left neighbours, odd beams are nan. `strong-code`: a strong return
@@ -78,11 +89,17 @@ class Parameters(NamedTuple):
         30.0
     )
     """Least intensity that gives code 18."""
-    sweep: Annotated[bool, Parameter("", f"{_SHEET}: one turn in 100 ms")] = False
+    sweep: Annotated[bool, Parameter("", f"{_SHEET}: one turn in 100 ms", plausible=(False, True))] = False
     """True: each beam at its own instant, the last at the scan's time; false: all at the scan's time."""
     view_deg: Annotated[
         float,
-        Parameter("deg", f"{_SHEET}: 240; less where the robot's own cylinder hides the rear", low=0.0, high=240.0),
+        Parameter(
+            "deg",
+            f"{_SHEET}: 240; less where the robot's own cylinder hides the rear",
+            low=0.0,
+            high=240.0,
+            plausible=(180.0, 240.0),
+        ),
     ] = 240.0
     """Width of the view about straight ahead; 240 has all beams (239.4 degrees from the first to the last). The beams
     beyond it read inf, as where nothing returns."""

@@ -30,9 +30,9 @@ class Parameters(NamedTuple):
 
     threshold: Annotated[float, Parameter("", "chosen: python -m scripts.calibrate_detection", low=0.0)] = 17.0
     """Least intensity of the foreground, relative to white paper seen head-on at 1 m."""
-    split_m: Annotated[float, Parameter("m", "as in member-based detection; for obstacles only", low=0.0)] = (
-        recognition.Parameters().split_m
-    )
+    split_m: Annotated[
+        float, Parameter("m", "as in member-based detection; for obstacles only", low=0.0, plausible=())
+    ] = recognition.Parameters().split_m
     """Consecutive background readings further apart than this belong to different obstacles."""
 
 

@@ -42,9 +42,14 @@ class Parameters(NamedTuple):
     one, and 0.15 and 0.041 m for the harsh one, where the defaults would let whole members fall to pieces.
     """
 
-    split_m: Annotated[float, Parameter("m", "chosen: python -m scripts.calibrate_detection", low=0.0)] = 0.05
+    # plausible: what the calibration gives from the ideal laser to the harsh one
+    split_m: Annotated[
+        float, Parameter("m", "chosen: python -m scripts.calibrate_detection", low=0.0, plausible=(0.03, 0.15))
+    ] = 0.05
     """Consecutive readings further apart than this belong to different segments; beyond 1 m in proportion to range."""
-    threshold_m: Annotated[float, Parameter("m", "chosen: python -m scripts.calibrate_detection", low=0.0)] = 0.0305
+    threshold_m: Annotated[
+        float, Parameter("m", "chosen: python -m scripts.calibrate_detection", low=0.0, plausible=(0.024, 0.041))
+    ] = 0.0305
     """A segment is a member if its warping cost is at most this."""
 
 

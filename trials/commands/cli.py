@@ -214,6 +214,30 @@ def run(
 
 
 @app.command()
+def sensitivity(
+    experiment: Experiment,
+    claim: Annotated[
+        int | None, Option(parser=_whole(1), metavar="N", help="One claim, by its place in the report; all by default.")
+    ] = None,
+    budget: Annotated[str, Option(metavar="10m|N", help="Wall time, or a number of trials.")] = "10m",
+    keys: Annotated[str | None, Option(metavar="A,B,C", help="Only these choices; all by default.")] = None,
+    repeats: Repeats = None,
+    seed: Seed = 1,
+    jobs: Jobs = None,
+    out: Annotated[
+        Path | None, Option(metavar="DIR", help="A new folder, or that of an analysis to go on with.")
+    ] = None,
+) -> int:
+    """Shows which unpublished choices a claim's verdict hangs on.
+
+    Varies the choices of an experiment within plausible ranges, a screening first, then a variance-based analysis.
+    """
+    from trials.commands.sensitivity import sensitivity
+
+    return sensitivity(experiment, claim, budget, keys, repeats, seed, _jobs(jobs, None), out)
+
+
+@app.command()
 def resume(folder: Run = None, jobs: Jobs = None, experiment: OwnExperiment = None, cluster: Cluster = None) -> int:
     """Finishes an interrupted run."""
     from trials.batch import running

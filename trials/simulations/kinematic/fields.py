@@ -56,7 +56,12 @@ class TrialFields(NamedTuple):
     steps: Annotated[int, Parameter("", "a choice", low=1, high=10_000_000)] = 500
     timestep_s: Annotated[float, Parameter("s", _LAW, low=1e-6, high=1e3)] = OPEN
     synchronous: Annotated[
-        bool, Parameter("", "false: one after the other within a step, in an order drawn anew (section 9.1.1)")
+        bool,
+        Parameter(
+            "",
+            "false: one after the other within a step, in an order drawn anew (section 9.1.1)",
+            plausible=(False, True),
+        ),
     ] = True
     updating: Annotated[
         str,
@@ -64,15 +69,26 @@ class TrialFields(NamedTuple):
             "",
             f"backward: velocities change, then positions by them; forward: positions by the old velocities; {_LAW}",
             choices=(OWN, "backward", "forward"),
+            plausible=("backward", "forward"),
         ),
     ] = OWN
     keeps_way: Annotated[
-        bool, Parameter("", "a choice; false: once all is measured, only the first and the last moment are kept")
+        bool,
+        Parameter(
+            "", "a choice; false: once all is measured, only the first and the last moment are kept", plausible=()
+        ),
     ] = True
-    every: Annotated[int, Parameter("steps", "a choice: from one moment that is kept to the next", low=1)] = 1
+    every: Annotated[
+        int, Parameter("steps", "a choice: from one moment that is kept to the next", low=1, plausible=())
+    ] = 1
     graph: Annotated[
         str,
-        Parameter("", "a choice: who is in whose fixed set, for laws that select by one", choices=("ring", "complete")),
+        Parameter(
+            "",
+            "a choice: who is in whose fixed set, for laws that select by one",
+            choices=("ring", "complete"),
+            plausible=(),
+        ),
     ] = "ring"
     cut_m: Annotated[
         float, Parameter("m", f"members farther apart are of different groups; {_LAW}, its spacing", low=0.0)
@@ -142,9 +158,11 @@ class GroupFields(NamedTuple):
     informed_share: Annotated[
         float, Parameter("", "share of the members that know the goal, rounded", low=0.0, high=1.0)
     ] = 0.0
-    goal_x_m: Annotated[float, Parameter("m", "of the goal, from the herd's centre at the start")] = 1e9
-    goal_y_m: Annotated[float, Parameter("m", "likewise; far away it is a preferred direction")] = 0.0
-    role: Annotated[int, Parameter("", "0 ordinary, 1 leader or strong, for the laws that tell", low=0, high=1)] = 0
+    goal_x_m: Annotated[float, Parameter("m", "of the goal, from the herd's centre at the start", plausible=())] = 1e9
+    goal_y_m: Annotated[float, Parameter("m", "likewise; far away it is a preferred direction", plausible=())] = 0.0
+    role: Annotated[
+        int, Parameter("", "0 ordinary, 1 leader or strong, for the laws that tell", low=0, high=1, plausible=())
+    ] = 0
     leaders: Annotated[
         int, Parameter("members", f"the first so many have role 1, −1 = as many as: {_LAW}", low=OWN_LEADERS)
     ] = OWN_LEADERS

@@ -42,19 +42,25 @@ class Parameters(NamedTuple):
             "m/s or m", f"{SOURCE}: beta or gamma, 1, 3 and 5; open: speed or spacing of the law's herd", low=0.0
         ),
     ] = OPEN
-    factor: Annotated[float, Parameter("", "a choice: by which the strength is multiplied", low=0.0)] = 1.0
+    factor: Annotated[float, Parameter("", "a choice: by which the strength is multiplied", low=0.0, plausible=())] = (
+        1.0
+    )
     arrangement: Annotated[
         str,
         Parameter(
             "",
             f"{SOURCE} gives none, a choice: rows as square as the count permits, a rhombus, or the nearest to a point",
             choices=("rows", "rhombus", "disc"),
+            plausible=("rows", "rhombus", "disc"),
         ),
     ] = "rows"
     shifts: Annotated[
         str,
         Parameter(
-            "", f"{SOURCE} gives no sign, a choice: within ± gamma or from 0 to gamma", choices=("both", "positive")
+            "",
+            f"{SOURCE} gives no sign, a choice: within ± gamma or from 0 to gamma",
+            choices=("both", "positive"),
+            plausible=("both", "positive"),
         ),
     ] = "both"
     velocities: Annotated[
@@ -64,6 +70,7 @@ class Parameters(NamedTuple):
             f"{SOURCE} gives no distribution below the norm beta, a choice: uniform over the disc, uniform in norm, "
             "all of norm beta, both components within ± beta, or both from 0 to beta",
             choices=("disc", "norm", "circle", "square", "quadrant"),
+            plausible=("disc", "norm", "circle", "square", "quadrant"),
         ),
     ] = "disc"
 

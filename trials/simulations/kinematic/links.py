@@ -52,11 +52,16 @@ ABOUT: dict[str, Measure] = {
 class Parameters(NamedTuple):
     """How the links of a trial are measured; only a trial that is given one of these has them measured."""
 
-    range_m: Annotated[float, Parameter("m", f"{SOURCE}, equation 2: r", low=1e-9)] = 1.6
+    range_m: Annotated[float, Parameter("m", f"{SOURCE}, equation 2: r", low=1e-9, plausible=())] = 1.6
     rest_m: Annotated[float, Parameter("m", f"{SOURCE}: the stable distance d", published=True, low=1e-9)] = 1.0
     stiffness_per_s2: Annotated[
         float,
-        Parameter("1/s²", "k_p over the mass of a member: what equation 7 drops; 0 = the law is no spring", low=0.0),
+        Parameter(
+            "1/s²",
+            "k_p over the mass of a member: what equation 7 drops; 0 = the law is no spring",
+            low=0.0,
+            plausible=(),
+        ),
     ] = 0.0
     unit_s: Annotated[float, Parameter("s", f"{SOURCE}: from t = 0 to t = 1", published=True, low=1e-9)] = 1.0
 

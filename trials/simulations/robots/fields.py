@@ -55,7 +55,13 @@ class TrialFields(NamedTuple):
 
     duration_s: Annotated[
         float,
-        Parameter("s", "at least a minute: the length of the trials was not published", low=0.1, high=86400.0),
+        Parameter(
+            "s",
+            "at least a minute: the length of the trials was not published",
+            low=0.1,
+            high=86400.0,
+            plausible=(30.0, 90.0),
+        ),
     ] = 60.0
     timestep_s: Annotated[
         float,
@@ -64,6 +70,7 @@ class TrialFields(NamedTuple):
             "of physics: motion, odometry and scans agree with half of it, contact with 1 ms (test_timestep.py)",
             low=0.001,
             high=0.02,
+            plausible=(),
         ),
     ] = 0.01
     world: Annotated[
@@ -97,10 +104,18 @@ class GroupFields(NamedTuple):
     law: Annotated[str, Parameter("", "Fine 2015, algorithm 2", published=True)] = "extended-hamilton"
     speed_m_s: Annotated[
         float,
-        Parameter("m/s", "not published: half of the Create's top speed; at most the body's", low=0.001),
+        Parameter(
+            "m/s",
+            "not published: half of the Create's top speed; at most the body's",
+            low=0.001,
+            plausible=(0.15, 0.35),
+        ),
     ] = 0.25
     rate_hz: Annotated[
-        float, Parameter("Hz", "not published: the laser's scan rate (data sheet)", low=0.1, high=100.0)
+        float,
+        Parameter(
+            "Hz", "not published: the laser's scan rate (data sheet)", low=0.1, high=100.0, plausible=(5.0, 6.25, 10.0)
+        ),
     ] = 10.0
     phase: Annotated[
         str,
@@ -113,19 +128,35 @@ class GroupFields(NamedTuple):
     ] = "random"
     latency_s: Annotated[
         float,
-        Parameter("s", "not published: somewhat less than half a scan from sensing to acting", low=0.0, high=10.0),
+        Parameter(
+            "s",
+            "not published: somewhat less than half a scan from sensing to acting",
+            low=0.0,
+            high=10.0,
+            plausible=(0.0, 0.02, 0.04, 0.06, 0.08, 0.1),
+        ),
     ] = 0.04
     start_moving: Annotated[
-        bool, Parameter("", "not published: what a member keeps that has seen nobody yet is to drive straight on")
+        bool,
+        Parameter(
+            "",
+            "not published: what a member keeps that has seen nobody yet is to drive straight on",
+            plausible=(False, True),
+        ),
     ] = True
     role: Annotated[
-        int, Parameter("", "what laws that know of roles are told: 0 ordinary, 1 leader or strong", low=0, high=1)
+        int,
+        Parameter(
+            "", "what laws that know of roles are told: 0 ordinary, 1 leader or strong", low=0, high=1, plausible=()
+        ),
     ] = 0
     informed: Annotated[
         int, Parameter("robots", "the first so many are given the goal, and role 1", low=0, high=1000)
     ] = 0
-    goal_x_m: Annotated[float, Parameter("m", "of the goal, in the world; far away it is a preferred direction")] = 0.0
-    goal_y_m: Annotated[float, Parameter("m", "likewise")] = 0.0
+    goal_x_m: Annotated[
+        float, Parameter("m", "of the goal, in the world; far away it is a preferred direction", plausible=())
+    ] = 0.0
+    goal_y_m: Annotated[float, Parameter("m", "likewise", plausible=())] = 0.0
     own_motion: Annotated[
         str,
         Parameter(
@@ -155,10 +186,10 @@ class GroupFields(NamedTuple):
             named=own_formation_names,
         ),
     ] = TOGETHER
-    start_x_m: Annotated[float, Parameter("m", "a choice: of the middle of a formation of its own")] = 0.0
-    start_y_m: Annotated[float, Parameter("m", "likewise")] = 0.0
+    start_x_m: Annotated[float, Parameter("m", "a choice: of the middle of a formation of its own", plausible=())] = 0.0
+    start_y_m: Annotated[float, Parameter("m", "likewise", plausible=())] = 0.0
     start_heading_deg: Annotated[
-        float, Parameter("deg", "likewise: by how much it is turned", low=-360.0, high=360.0)
+        float, Parameter("deg", "likewise: by how much it is turned", low=-360.0, high=360.0, plausible=())
     ] = 0.0
 
 

@@ -32,6 +32,7 @@ KEY_MEASURES = ("links", "links_foretold", "links_broken", "link_precision", "li
 SOURCES = {
     "herd.count": Parameter("", "Akama and Naruse 2014, section 4.1", published=True),
     "formation.spacing_m": Parameter("m", "Akama and Naruse 2014, section 4.1: d", published=True),
+    "steps": Parameter("", "up to the last moment at which links are counted", plausible=()),
 }
 
 
