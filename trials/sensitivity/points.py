@@ -13,7 +13,7 @@ from flocking.types import Floats
 from trials.batch import progress, worker
 from trials.batch.batch import Work, run_batch
 from trials.batch.folders import NO_FILES, Files
-from trials.batch.running import kinds
+from trials.batch.kinds import kinds
 from trials.batch.store import Row, Store
 from trials.sensitivity.ledger import Ledger
 from trials.sensitivity.model import Model, Part
