@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 from flocking.errors import InputError
 from trials import experiments
 from trials.batch.batch import Progress
-from trials.batch.store import Store
+from trials.batch.store import DIED, Store
 from trials.evidence import until_decided
 from trials.evidence.claims import Entry
 from trials.evidence.runs import Run
@@ -79,9 +79,9 @@ def looks_of(run: Any) -> tuple[int, ...]:
     return tuple(run["until_decided"]["looks"])
 
 
-def course_of(kept: Store, experiment: ModuleType, before: Course | None = None) -> Course:
+def course_of(kept: Store, experiment: ModuleType) -> Course:
     """How far a run until decided has come."""
-    return course(kept, _claims_of(experiment), looks_of(kept.run), before)
+    return course(kept, _claims_of(experiment), looks_of(kept.run))
 
 
 class Blocks:
@@ -95,13 +95,14 @@ class Blocks:
         self._begun = monotonic()
 
     def first(self) -> Sequence[Trial]:
-        """The trials to begin with."""
-        return self._advance()
+        """The trials to begin with; no look counts a trial whose worker died, which is to be run again."""
+        rows = [row for row in self.kept.rows() if not row.reason.startswith(DIED)]
+        return self._advance(Part(self.kept, self.kept.trials, rows))
 
     def next(self, progress: Progress) -> Sequence[Trial]:
         """The trials to go on with; none when all is decided or the budget is used up."""
         taken = self.course.taken if self.course is not None else 0
-        missing = self._advance()
+        missing = self._advance(self.kept)
         assert self.course is not None
         if self.course.taken > taken:
             progress.goes_on(told(self.course), self.expected)
@@ -111,8 +112,8 @@ class Blocks:
             return []
         return missing
 
-    def _advance(self) -> Sequence[Trial]:
-        self.course = course_of(self.kept, self.experiment, self.course)
+    def _advance(self, run: Run) -> Sequence[Trial]:
+        self.course = course(run, _claims_of(self.experiment), looks_of(self.kept.run), self.course)
         self.expected = len(self.kept.rows()) + len(self.course.missing)
         return self.course.missing
 

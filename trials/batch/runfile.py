@@ -51,6 +51,8 @@ def read(folder: Path) -> dict[str, Any]:
             _check_text({**trial, "groups": [{**group, "law_source": ""} for group in trial["groups"]]})
         if run.get("until_decided") is not None:
             _check_plan(run["until_decided"])
+            if run["until_decided"]["looks"][-1] != run.get("repeats"):
+                raise ValueError(f"looks = {run['until_decided']['looks']}: expected {run.get('repeats')} at the last")
         _learn(run)
         return {**run, "experiment": str(run["experiment"])}
     except InputError:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import re
 import shlex
 import signal
 import sys
 import tempfile
 import traceback
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
@@ -324,7 +325,8 @@ def _run_rest(
     wanted = kept.trials
     if blocks is not None:
         begun = {row.index for row in rows}
-        wanted = [*(trial for trial in wanted if trial.index in begun), *blocks.first()]
+        first = {trial.index for trial in blocks.first()}
+        wanted = [trial for trial in wanted if trial.index in begun | first]
     left = [trial for trial in wanted if trial.index not in ended]
     for trial in left:
         try:
@@ -355,12 +357,28 @@ def _run_rest(
         where = ["--cluster", cluster.address] if cluster is not None else []
         print(
             f"herd: stopped; {len(rows)} of {expected} trials are kept in {kept.folder}; "
-            f"finish it with: {command('resume', str(kept.folder), *where)}",
+            f"finish it with: {command('resume', str(kept.folder), *_own_file(kept), *where)}",
             file=sys.stderr,
         )
         return 128 + stopped
     _close(kept, rows, new, monotonic() - started, report)
     return 1 if any(row.status != "done" for row in rows) else 0
+
+
+def again_of(run: Mapping[str, Any]) -> str:
+    """The command that plans the trials of a run, of one until decided all that it might run."""
+    words = str(run.get("command")).replace("herd", herd(), 1)
+    if "until_decided" not in run:
+        return words
+    words = re.sub(r" --until-decided( --budget \S+)?| --repeats \S+", "", words)
+    return f"{words} --repeats {deciding.looks_of(run)[-1]}"
+
+
+def _own_file(kept: Store) -> list[str]:
+    """What resuming a run until decided of a user's own experiment takes: the words that name its file."""
+    words = shlex.split(str(kept.run.get("command", "")))[2:3]
+    own = "until_decided" in kept.run and any(map(is_path, words))
+    return ["--experiment", *words] if own else []
 
 
 def _tell_misfits(kept: Store) -> None:
@@ -390,13 +408,12 @@ def _summary(kept: Store, rows: Sequence[Row], new: int, seconds: float) -> list
     lines = [f"{len(rows)} trial{'s' * (len(rows) != 1)}: {done}{took} {progress.duration(seconds)}"]
     for row in failed[:SHOWN_FAILURES]:
         lines.append(progress.failure(row))
-        again = str(kept.run.get("command")).replace("herd", herd(), 1)
-        lines.append(f"  once more, with its traceback: {again} --only {row.index} --debug")
+        lines.append(f"  once more, with its traceback: {again_of(kept.run)} --only {row.index} --debug")
     if len(failed) > SHOWN_FAILURES:
         lines.append(f"… and {len(failed) - SHOWN_FAILURES} more failed; all are in {folder / folders.RESULTS}")
     died = sum(row.reason.startswith(store.DIED) for row in failed)
     if died:
-        again = command("resume", str(folder))
+        again = command("resume", str(folder), *_own_file(kept))
         lines.append(f"{died} of them lost their workers; run these again with: {again}")
     lines.append(f"results     {folder}")
     if (folder / "report.html").exists():

@@ -34,6 +34,8 @@ MOST = 8
 """Looks that a plan has at most. A choice: more looks cost power and save few repeats."""
 WALKS = 400_000
 """Random walks that are counted: the level of a whole is known to one in a hundred of it."""
+FEWEST = 3
+"""Repeats below which nothing is decided: two numbers that happen to be equal would prove anything."""
 _AT_ONCE = 50_000
 _FEWEST = 100
 """Walks below which a chance is not read off: it is then at most that of so many, and the sum over the looks."""
@@ -47,8 +49,8 @@ def planned_looks(block: int, most: int | None = None) -> tuple[int, ...]:
     """
     if most is None:
         return tuple(block * look for look in range(1, MOST + 1))
-    if most < 1:
-        raise InputError(f"a budget of {most} repeats: expected at least 1")
+    if most < FEWEST:
+        raise InputError(f"a budget of {most} repeats decides nothing: expected at least {FEWEST}")
     step = max(min(block, most), -(-most // MOST))
     return (*range(step, most, step), most)
 

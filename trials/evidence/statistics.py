@@ -29,13 +29,11 @@ import numpy as np
 from scipy import special, stats
 
 from flocking.types import Floats
+from trials.evidence.looks import FEWEST as FEWEST
 from trials.evidence.looks import nominal, overall
 
 ALPHA = 0.05
 """Level of every verdict."""
-
-FEWEST = 3
-"""Repeats below which nothing is decided: two numbers that happen to be equal would prove anything."""
 
 NEAR_A_BOUND = 0.1
 """Shares whose mean lies within this of 0 or 1 are tested exactly. A choice."""

@@ -93,11 +93,9 @@ def laid_down(run: Run, claims: Claims, looks: Sequence[int], budget: str) -> di
     The outcomes are those of trials that measured nothing; `by repeats`: whether more repeats can decide a claim.
     """
     trials = [trial for trial in run.trials if trial.repeat <= looks[0]]
-    with levels.among(looks):
-        two_sided, one_sided = 2.0 * levels.nominal(ALPHA / 2.0), levels.nominal(ALPHA)
     return {
         "looks": list(looks),
-        "levels": {"two-sided": two_sided, "one-sided": one_sided, "of the whole": ALPHA},
+        "levels": levels_of(looks),
         "budget": budget,
         "claims": [
             {
@@ -113,6 +111,12 @@ def laid_down(run: Run, claims: Claims, looks: Sequence[int], budget: str) -> di
             for entry in claims(Part(run, trials, [Unmeasured(trial.index, trial.repeat) for trial in trials]))
         ],
     }
+
+
+def levels_of(looks: Sequence[int]) -> dict[str, float]:
+    """The level of each look, two-sided and one-sided, and that of the whole."""
+    with levels.among(looks):
+        return {"two-sided": 2.0 * levels.nominal(ALPHA / 2), "one-sided": levels.nominal(ALPHA), "of the whole": ALPHA}
 
 
 def changed(plan: Mapping[str, Any], entries: Sequence[Entry]) -> list[str]:
@@ -156,6 +160,11 @@ def _entries_at(part: Part, claims: Claims, state: Course) -> list[Entry]:
             entries.append(before)
             continue
         entry = dataclasses.replace(entry, cells=_of(own, entry))
+        fewest = min([outcome.decision.n for outcome in entry.outcomes if outcome.decides], default=entry.n)
+        if entry.agrees is not None and 2 * fewest < state.looks[state.taken]:
+            entry = dataclasses.replace(
+                entry, agrees=None, test=f"{entry.test}; only {fewest} repeats could be measured"
+            )
         if entry.cells:
             path = (
                 *(before.looks if before else ()),

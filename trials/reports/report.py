@@ -19,7 +19,7 @@ from trials.batch.folders import newest
 from trials.batch.store import Store, opened
 from trials.evidence.claims import Entry
 from trials.evidence.summary import Cell, Mean, cells, mean, naming
-from trials.evidence.until_decided import Course, changed
+from trials.evidence.until_decided import Course, changed, levels_of
 from trials.experiments import run_in
 from trials.invoked import command
 from trials.reports.wording import (
@@ -86,7 +86,10 @@ def _so_far(store: Store, state: Course) -> Store:
     """A run until decided as that of the trials that it has and that its next look needs, with notes on its looks."""
     ended = {row.index for row in store.rows()} | {trial.index for trial in state.missing}
     plan = store.run["until_decided"]
-    level = f"each at the two-sided level {plan['levels']['two-sided']:.4f}, {plan['levels']['of the whole']:g} of all"
+    now = levels_of(state.looks)
+    level = f"each at the two-sided level {now['two-sided']:.4f}, {now['of the whole']:g} of all"
+    if any(abs(plan["levels"][name] - value) > 1e-9 for name, value in now.items()):
+        level += "; the plan has changed: its levels are not those of its looks"
     notes = [
         f"until decided: {deciding.told(state)}; looks at {', '.join(map(str, state.looks))} repeats, {level}",
         *(f"the plan has changed: {line}" for line in changed(plan, state.entries)),

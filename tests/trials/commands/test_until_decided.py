@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import json
 import os
+import shlex
+import shutil
 import signal
+import sqlite3
 import subprocess
 import sys
 from pathlib import Path
@@ -12,8 +15,9 @@ from pathlib import Path
 import pytest
 
 from flocking.errors import InputError
-from trials.batch import runfile
+from trials.batch import runfile, running
 from trials.batch.deciding import Budget, budget
+from trials.design import plan
 
 HERD = (sys.executable, "-m", "trials.commands.cli")
 SHORT = ("lch-table-4-1", "--until-decided", "--repeats", "3", "--budget", "12", "--record", "none")
@@ -83,6 +87,42 @@ def test_a_killed_run_with_other_workers_comes_to_the_same(run: Path) -> None:
     assert entries(killed) == entries(run)
 
 
+def test_a_trial_whose_worker_died_is_run_again_before_any_look_counts_it(run: Path, tmp_path: Path) -> None:
+    """Wherever it is in the run: what resume comes to is what the run came to."""
+    shutil.copytree(run, tmp_path / "run")
+    with sqlite3.connect(tmp_path / "run" / "results.sqlite") as connection:
+        last = connection.execute("SELECT max(idx) FROM trials").fetchone()[0]
+        connection.execute(
+            "UPDATE trials SET status = 'failed', measures = '{}', reason = 'its worker process died (SIGKILL)' "
+            "WHERE idx IN (2, 9, ?)",
+            (last,),
+        )
+    connection.close()
+    assert entries(tmp_path / "run") != entries(run)
+    again = herd("resume", "run", "--jobs", "1", cwd=tmp_path)
+    assert again.returncode == 0, again.stderr
+    assert entries(tmp_path / "run") == entries(run)
+
+
+def test_the_command_of_a_failed_trial_plans_the_same_trial(run: Path) -> None:
+    told = json.loads((run / "run.json").read_text())
+    words = shlex.split(running.again_of(told))
+    assert words[-2:] == ["--repeats", "12"]
+    assert "--until-decided" not in words
+    assert "--budget" not in words
+    trials = plan("lch-table-4-1", repeats=12).trials
+    assert [trial.as_dict() for trial in trials] == told["trials"]
+
+
+def test_levels_that_are_not_those_of_the_looks_are_told(run: Path, tmp_path: Path) -> None:
+    shutil.copytree(run, tmp_path / "run")
+    told = json.loads((run / "run.json").read_text())
+    told["until_decided"]["looks"] = [6, 12]
+    (tmp_path / "run" / "run.json").write_text(json.dumps(told))
+    done = herd("report", "run", cwd=tmp_path)
+    assert "its levels are not those of its looks" in " ".join(done.stdout.split())
+
+
 def test_budgets() -> None:
     assert budget("10m") == Budget(seconds=600.0)
     assert budget("90 s") == Budget(seconds=90.0)
@@ -95,7 +135,16 @@ def test_budgets() -> None:
 
 
 @pytest.mark.parametrize(
-    "change", [{"looks": [3, 3]}, {"looks": []}, {"looks": "3"}, {"seconds": "x"}, {"levels": {}}, {"claims": [1]}]
+    "change",
+    [
+        {"looks": [3, 3]},
+        {"looks": [3, 6]},
+        {"looks": []},
+        {"looks": "3"},
+        {"seconds": "x"},
+        {"levels": {}},
+        {"claims": [1]},
+    ],
 )
 def test_a_damaged_plan_is_told_in_one_line(run: Path, change: dict[str, object], tmp_path: Path) -> None:
     told = json.loads((run / "run.json").read_text())

@@ -179,3 +179,17 @@ def test_a_run_without_rows_wants_all_cells_of_the_first_look() -> None:
     state = course(MadeUpRun(trials(), []), claims, LOOKS)
     assert [trial.repeat for trial in state.missing] == [r for r in range(1, LOOKS[0] + 1) for _ in CELLS]
     assert state.entries == ()
+
+
+def test_nothing_is_decided_while_most_repeats_could_not_be_measured() -> None:
+    """Three trials of a hundred that happen to be alike would prove anything."""
+    all_trials, rows = trials(), list[MadeUpRow]()
+    while (state := course(MadeUpRun(all_trials, rows), claims, LOOKS)).missing:
+        for trial in state.missing:
+            row = measured(trial, {"strong": 50.0, "weak": 0.0})
+            rows.append(dataclasses.replace(row, measures={}) if trial.repeat > 5 else row)
+    strong = state.entries[0]
+    assert (strong.agrees, strong.n, strong.looks[0].n) == (True, 4, 4)
+    weak = state.entries[1]
+    assert [look.n for look in weak.looks] == [4, 5, 5, 5, 5]
+    assert weak.agrees is None
