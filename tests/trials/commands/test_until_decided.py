@@ -18,6 +18,7 @@ from flocking.errors import InputError
 from trials.batch import runfile, running
 from trials.batch.deciding import Budget, budget
 from trials.design import plan
+from trials.reports.report import report
 
 HERD = (sys.executable, "-m", "trials.commands.cli")
 SHORT = ("lch-table-4-1", "--until-decided", "--repeats", "3", "--budget", "12", "--record", "none")
@@ -37,9 +38,7 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def entries(folder: Path) -> list[dict[str, object]]:
-    done = herd("report", str(folder), "--json", cwd=folder.parent)
-    assert done.returncode == 0, done.stderr
-    found: list[dict[str, object]] = json.loads(done.stdout)
+    found: list[dict[str, object]] = json.loads(report(folder, as_json=True))
     return found
 
 
@@ -111,7 +110,7 @@ def test_the_command_of_a_failed_trial_plans_the_same_trial(run: Path) -> None:
     assert "--until-decided" not in words
     assert "--budget" not in words
     trials = plan("lch-table-4-1", repeats=12).trials
-    assert [trial.as_dict() for trial in trials] == told["trials"]
+    assert json.loads(json.dumps([trial.as_dict() for trial in trials])) == told["trials"]
 
 
 def test_levels_that_are_not_those_of_the_looks_are_told(run: Path, tmp_path: Path) -> None:
@@ -119,8 +118,7 @@ def test_levels_that_are_not_those_of_the_looks_are_told(run: Path, tmp_path: Pa
     told = json.loads((run / "run.json").read_text())
     told["until_decided"]["looks"] = [6, 12]
     (tmp_path / "run" / "run.json").write_text(json.dumps(told))
-    done = herd("report", "run", cwd=tmp_path)
-    assert "its levels are not those of its looks" in " ".join(done.stdout.split())
+    assert "its levels are not those of its looks" in " ".join(report(tmp_path / "run").split())
 
 
 def test_budgets() -> None:
