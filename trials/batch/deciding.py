@@ -22,7 +22,7 @@ from trials.invoked import command
 from trials.types import Trial
 
 _UNITS = {"s": 1.0, "m": 60.0, "min": 60.0, "h": 3600.0}
-_BUDGET = re.compile(r"([0-9]{1,9})\s*(s|m|min|h|repeats?)?")
+_BUDGET = re.compile(r"([0-9]{1,9}(?:\.[0-9]{1,9})?)\s*([a-z]*)")
 
 
 class Budget(NamedTuple):
@@ -42,12 +42,19 @@ NO_BUDGET = Budget()
 
 def budget(text: str) -> Budget:
     """`--budget 10m` or `--budget 40`. Raises `InputError`."""
+    number, seconds = time_or_number(text, "repeats", "10m, 90s or 40")
+    return Budget(number, seconds)
+
+
+def time_or_number(text: str, counted: str, example: str) -> tuple[int | None, float | None]:
+    """A budget as a number of what is counted, or as a time, s; the other of the two is None. Raises `InputError`."""
     match = _BUDGET.fullmatch(text.strip())
-    if match is None or int(match[1]) == 0:
-        raise InputError(f"--budget {text!r}: expected a time or a number of repeats above 0, as in 10m, 90s or 40")
-    if match[2] in _UNITS:
-        return Budget(seconds=int(match[1]) * _UNITS[match[2]])
-    return Budget(repeats=int(match[1]))
+    if match is not None and float(match[1]) > 0.0:
+        if match[2] in _UNITS:
+            return None, float(match[1]) * _UNITS[match[2]]
+        if match[2] in ("", counted, counted.removesuffix("s")) and match[1].isdecimal():
+            return int(match[1]), None
+    raise InputError(f"--budget {text!r}: expected a time above 0 or a number of {counted}, as in {example}")
 
 
 def laid_down(

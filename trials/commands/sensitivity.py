@@ -2,20 +2,15 @@
 
 from __future__ import annotations
 
-import re
 import sys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from flocking.errors import InputError
 from trials.invoked import command
 
 if TYPE_CHECKING:
     from trials.sensitivity.study import Budget
-
-_BUDGET = re.compile(r"([0-9]+(?:\.[0-9]+)?)([smh]?)")
-_SECONDS = {"s": 1.0, "m": 60.0, "h": 3600.0}
 
 
 def sensitivity(
@@ -52,11 +47,7 @@ def _said(claim: int | None, keys: str | None, repeats: int | None) -> Sequence[
 
 def _budget(text: str) -> Budget:
     """`10m`, `90s` and `2h` are wall time, a whole number is of trials. Raises `InputError`."""
+    from trials.batch.deciding import time_or_number
     from trials.sensitivity.study import Budget
 
-    found = _BUDGET.fullmatch(text.strip())
-    if found is None or float(found[1]) == 0.0 or (not found[2] and "." in found[1]):
-        raise InputError(f"--budget {text!r}: expected a time above 0, as in 10m, or a number of trials, as in 5000")
-    if found[2]:
-        return Budget(text, seconds=float(found[1]) * _SECONDS[found[2]])
-    return Budget(text, trials=int(found[1]))
+    return Budget(text, *time_or_number(text, "trials", "10m, 90s or 5000"))

@@ -74,7 +74,7 @@ def ended(folder: Path) -> int:
     [
         (["link-tension-beyond"], "has no claims; expected one of"),
         (["lch-table-4-1", "--claim", "40"], "has claims 1 to 9; nearest: 9"),
-        (["lch-table-4-1", "--budget", "0"], "expected a time above 0, as in 10m, or a number of trials"),
+        (["lch-table-4-1", "--budget", "0"], "expected a time above 0 or a number of trials, as in 10m"),
         (["lch-table-4-1", "--budget", "0m"], "expected a time above 0"),
         (["lch-table-4-1", "--budget", "soon"], "expected a time above 0"),
         (["lch-table-4-1", "--budget", "20"], "takes at least"),

@@ -124,12 +124,13 @@ def test_levels_that_are_not_those_of_the_looks_are_told(run: Path, tmp_path: Pa
 def test_budgets() -> None:
     assert budget("10m") == Budget(seconds=600.0)
     assert budget("90 s") == Budget(seconds=90.0)
-    assert budget("2h") == Budget(seconds=7200.0)
+    assert budget("1.5h") == budget("90min") == Budget(seconds=5400.0)
     assert budget("40") == budget("40 repeats") == Budget(repeats=40)
     assert [str(budget(text)) for text in ("40", "10m")] == ["40", "600s"]
     assert budget(str(budget("10m"))) == budget("10m")
-    with pytest.raises(InputError):
-        budget("-5")
+    for text in ("-5", "1.5", "3 trials", "10x", ""):
+        with pytest.raises(InputError):
+            budget(text)
 
 
 @pytest.mark.parametrize(
