@@ -15,8 +15,8 @@ from trials.batch.batch import Progress
 from trials.batch.store import DIED, Store
 from trials.evidence import until_decided
 from trials.evidence.claims import Entry
-from trials.evidence.runs import Run
-from trials.evidence.until_decided import Course, Part, course
+from trials.evidence.runs import Part, Run
+from trials.evidence.until_decided import Course, course
 from trials.experiments import run_in
 from trials.invoked import command
 from trials.types import Trial

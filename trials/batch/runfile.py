@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import hashlib
 import json
+import shlex
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from flocking.errors import InputError, has_controls
+from flocking.found import is_path
 from trials.batch.folders import RUN, reading
 from trials.evidence.looks import MOST
 from trials.types import Group, Trial
@@ -143,6 +145,15 @@ def _of_another_version(path: Path, run: Mapping[str, Any], version: object) -> 
         f"{path} has format {version!r} and this version reads {FORMAT}: report and resume it with {who}"
         f"{f', commit {commit}' if commit else ''}"
     )
+
+
+def own_experiment(run: Mapping[str, Any]) -> str | None:
+    """The path of a user's own experiment, as the run's command had it; None for one of the project."""
+    try:
+        words = shlex.split(str(run.get("command", "")))
+    except ValueError:
+        return None
+    return next((word for word in words[2:3] if is_path(word)), None)
 
 
 def text_of(run: Mapping[str, Any]) -> str:

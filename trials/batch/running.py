@@ -376,9 +376,8 @@ def again_of(run: Mapping[str, Any]) -> str:
 
 def _own_file(kept: Store) -> list[str]:
     """What resuming a run until decided of a user's own experiment takes: the words that name its file."""
-    words = shlex.split(str(kept.run.get("command", "")))[2:3]
-    own = "until_decided" in kept.run and any(map(is_path, words))
-    return ["--experiment", *words] if own else []
+    own = runfile.own_experiment(kept.run)
+    return ["--experiment", own] if own is not None and "until_decided" in kept.run else []
 
 
 def _tell_misfits(kept: Store) -> None:

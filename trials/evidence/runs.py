@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -44,6 +45,28 @@ class Run(Protocol):
 
     def rows(self) -> Sequence[FinishedTrial]: ...
     def series(self, index: int) -> TrialResult: ...
+
+
+@dataclass(frozen=True)
+class Part:
+    """Some trials of a run, as a run."""
+
+    whole: Run
+    trials: list[Trial]
+    finished: Sequence[FinishedTrial]
+
+    @property
+    def folder(self) -> Path:
+        """Of the whole run."""
+        return self.whole.folder
+
+    def rows(self) -> Sequence[FinishedTrial]:
+        """Of these trials."""
+        return self.finished
+
+    def series(self, index: int) -> TrialResult:
+        """Of one trial."""
+        return self.whole.series(index)
 
 
 class UndecidedError(Exception):

@@ -11,41 +11,18 @@ import dataclasses
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
 from trials.evidence import looks as levels
 from trials.evidence.claims import CellName, Entry, Look
-from trials.evidence.runs import FinishedTrial, Run
+from trials.evidence.runs import FinishedTrial, Part, Run
 from trials.evidence.statistics import ALPHA
-from trials.types import Trial, TrialResult
+from trials.types import Trial
 
 Claims = Callable[[Run], list[Entry]]
 """A study's own: the entries of a run, the same claims in the same order whatever was measured."""
 MEDIAN = " (median)"
 """What a label ends in where the numbers turn out to need an exact test."""
-
-
-@dataclass(frozen=True)
-class Part:
-    """Some trials of a run, as a run."""
-
-    whole: Run
-    trials: list[Trial]
-    finished: Sequence[FinishedTrial]
-
-    @property
-    def folder(self) -> Path:
-        """Of the whole run."""
-        return self.whole.folder
-
-    def rows(self) -> Sequence[FinishedTrial]:
-        """Of these trials."""
-        return self.finished
-
-    def series(self, index: int) -> TrialResult:
-        """Of one trial."""
-        return self.whole.series(index)
 
 
 @dataclass(frozen=True)

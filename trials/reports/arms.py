@@ -4,42 +4,19 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from trials.evidence.runs import FinishedTrial, Run, arms
+from trials.evidence.runs import Part, Run, arms
 from trials.evidence.summary import naming
 from trials.reports.figures import Figure, Place
 from trials.reports.ways import first_result
-from trials.types import Trial, TrialResult
+from trials.types import TrialResult
 
 MOST_PANELS = 60
 """Of one drawing."""
 TITLE_LETTERS = 28
 """In a line of a panel's title, which then does not run into the next panel's."""
-
-
-@dataclass(frozen=True)
-class ArmRun:
-    """One arm of a run, read as if it were a run."""
-
-    run: Run
-    trials: list[Trial]
-    finished: Sequence[FinishedTrial]
-
-    @property
-    def folder(self) -> Path:
-        """Of the whole run."""
-        return self.run.folder
-
-    def rows(self) -> Sequence[FinishedTrial]:
-        """The finished trials of the arm."""
-        return self.finished
-
-    def series(self, index: int) -> TrialResult:
-        """The time series of a trial."""
-        return self.run.series(index)
 
 
 def by_arm(run: Run, folder: Path, keys: Sequence[str], drawn: Callable[[Run, Place], list[Figure]]) -> list[Figure]:
@@ -49,7 +26,7 @@ def by_arm(run: Run, folder: Path, keys: Sequence[str], drawn: Callable[[Run, Pl
     for number, (arm, trials) in enumerate(arms(run, keys), start=1):
         place = Place(folder, f"-{number}" if number > 1 else "", words(arm) if arm else "")
         finished = [rows[trial.index] for trial in trials if trial.index in rows]
-        made += drawn(ArmRun(run, trials, finished), place)
+        made += drawn(Part(run, trials, finished), place)
     return made
 
 

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import math
-import shlex
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from flocking.found import is_path
+from trials.batch.runfile import own_experiment
 from trials.batch.store import Store
 from trials.evidence.claims import Entry
 from trials.evidence.summary import naming
@@ -64,22 +63,13 @@ def notes_of(store: Store, experiment: Any) -> list[str]:
     """What a reader of a run's numbers should know, one line each."""
     found = [f"note: {note}" for note in store.run.get("notes") or () if isinstance(note, str)]
     if experiment is None:
-        again = command("report", str(store.folder), "--experiment", own_file(store.run))
+        again = command("report", str(store.folder), "--experiment", own_experiment(store.run) or "FILE.py")
         name = store.run["experiment"]
         found += [
             f"note: {name} is not among the experiments here: without its claims and figures; if yours:",
             f"  {again}",
         ]
     return found
-
-
-def own_file(run: Mapping[str, Any]) -> str:
-    """The path of a user's own experiment, as the run's command had it."""
-    try:
-        words = shlex.split(str(run.get("command", "")))
-    except ValueError:
-        words = []
-    return next((word for word in words[2:3] if is_path(word)), "FILE.py")
 
 
 def verdicts(entries: Sequence[Entry]) -> str:
