@@ -14,6 +14,8 @@ from typing import Any, NamedTuple
 from trials.evidence.outcomes import Outcome, decided_by_all
 from trials.evidence.runs import CellName, Cells, Run, UndecidedError, arms
 
+VERDICTS = {True: "holds", False: "does not hold", None: "undecided"}
+
 
 class Look(NamedTuple):
     """A claim at one look of a run until decided, in the unit of its quantity."""

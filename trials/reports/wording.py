@@ -9,12 +9,11 @@ from typing import Any
 
 from trials.batch.runfile import own_experiment
 from trials.batch.store import Store
+from trials.evidence.claims import VERDICTS as VERDICTS
 from trials.evidence.claims import Entry
 from trials.evidence.summary import naming
 from trials.invoked import command
 from trials.simulations import headings_of, key_measures_of
-
-VERDICTS = {True: "holds", False: "does not hold", None: "undecided"}
 
 
 def shown_number(value: float) -> str:

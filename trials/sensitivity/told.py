@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from trials.design import DEFAULT_SEED
-from trials.evidence.claims import Entry
+from trials.evidence.claims import VERDICTS, Entry
 from trials.invoked import command, spelled
 from trials.sensitivity.analysis import Share
 from trials.sensitivity.choices import Choice, settings
@@ -17,7 +17,6 @@ from trials.sensitivity.explore import LEAST_BASE, MATTERS, Explored, Findings, 
 from trials.sensitivity.model import Model
 from trials.types import Value
 
-VERDICTS = {True: "holds", False: "does not hold", None: "undecided"}
 HEAD = ("choice", "value", "range", "mu*", "first", "total")
 
 
