@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[1]
-CODE_PACKAGES = {"flocking", "robots", "scripts", "sensing", "trials", "worlds"}
+CODE_PACKAGES = {"flocking", "generation", "robots", "scripts", "sensing", "trials", "worlds"}
 
 
 def ran(command: Sequence[str | Path], folder: Path, **environment: str) -> str:

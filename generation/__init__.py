@@ -1,0 +1,1 @@
+"""Environments that steer a herd: their geometry, schemas that generate them, filters, behaviours, validation, maps."""
