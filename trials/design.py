@@ -86,9 +86,7 @@ def plan(
     total = repeats * sum(len(cells) for _, cells in designs)
     if total > MAX_TRIALS:
         most = MAX_TRIALS * repeats // total
-        raise InputError(
-            f"{total} trials of {repeats} repeats: expected at most {MAX_TRIALS}, as by {most_by} {most}"
-        )
+        raise InputError(f"{total} trials of {repeats} repeats: expected at most {MAX_TRIALS}, as by {most_by} {most}")
     placed = _placed(module, settings, [{**arm, **cell} for arm, cells in designs for cell in cells], notes)
     own = _of_some_starts(module, repeats, {*settings, *conditions, *arm_values}, notes)
     trials: list[Trial] = []
