@@ -14,6 +14,9 @@ from typing import Any
 from flocking import found
 from flocking.errors import InputError, unknown_name
 from flocking.parameters import declared
+from generation.environment import Environment
+from generation.grammar import files
+from generation.grammar.schema import schema_of
 from generation.schema import Schema
 
 PACKAGE = "generation.schemas"
@@ -55,7 +58,12 @@ def _grammars() -> dict[str, Path]:
 
 
 def _of_grammar(path: str) -> Schema:
-    raise InputError(f"schema {path!r}: grammars cannot be read")
+    grammar = files.read(path)
+    if not grammar.workspace:
+        return schema_of(grammar, Environment)
+    if grammar.workspace in _grammars() or grammar.workspace not in found.modules(PACKAGE):
+        raise unknown_name(f"workspace of {path}: schema", grammar.workspace, found.modules(PACKAGE))
+    return schema_of(grammar, lambda: load(grammar.workspace).workspace())
 
 
 def _of_module(name: str, module: ModuleType) -> Schema:

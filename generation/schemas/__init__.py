@@ -1,1 +1,1 @@
-"""Schemas, one a file and named by it: Python (`generation.schema` says what is in one) or a grammar (docs/grammars.md)."""
+"""Schemas: rules by which environments are generated, one file each (`generation.schema` says what it has)."""
