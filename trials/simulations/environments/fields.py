@@ -9,11 +9,12 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, NamedTuple
 
+from generation.filters import Filter
+
 from flocking.errors import unknown_name
 from flocking.parameters import Parameter, filled
 from generation import behaviours, filters
 from generation.behaviours import Behaviour
-from generation.filters import Filter
 from generation.found import is_path, load, schemas
 from generation.schema import Schema
 from trials.rows import below
@@ -60,9 +61,7 @@ class TrialFields(NamedTuple):
     filter: Annotated[
         str, Parameter("", f"Fine 2015, table 7.1; {OWN}: the schema's", named=filter_names, paths=True)
     ] = OWN
-    iterations: Annotated[
-        int, Parameter("", "0: those of the behaviour", low=0, high=1_000_000, plausible=())
-    ] = 0
+    iterations: Annotated[int, Parameter("", "0: those of the behaviour", low=0, high=1_000_000, plausible=())] = 0
     timestep_s: Annotated[
         float, Parameter("s", "of an iteration; a choice: speeds are then in metres an iteration", low=1e-6, high=1e3)
     ] = 1.0

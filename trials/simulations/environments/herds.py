@@ -11,8 +11,8 @@ from flocking.types import Floats
 from generation.environment import START, Environment
 from generation.group import Job
 from generation.primitives import Point
-from generation.validation.kinematic import KinematicGroup
 from trials.simulations.environments import fields
+from trials.simulations.environments.members import Members
 from trials.simulations.kinematic import fields as of_members
 from trials.simulations.kinematic import herd as kinematic
 from trials.streams import Purpose, stream
@@ -57,9 +57,9 @@ def job(trial: Trial, number: int, whole: Environment) -> Job:
     return Job(whole, start(trial, number, whole), (trial.seed, trial.repeat, number, int(Purpose.LAW)))
 
 
-def group(trial: Trial) -> KinematicGroup:
+def group(trial: Trial) -> Members:
     """The herd of a trial. Raises `InputError` for names and numbers that do not exist or fit."""
     speeds = np.repeat(
         [of_members.of_group(group).speed_m_s for group in trial.groups], [group.count for group in trial.groups]
     )
-    return KinematicGroup(tuple(kinematic.bands_of(trial, np.zeros(2))), fields.of_trial(trial).timestep_s, speeds)
+    return Members(tuple(kinematic.bands_of(trial, np.zeros(2))), fields.of_trial(trial).timestep_s, speeds)

@@ -8,9 +8,10 @@ control does.
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from time import perf_counter
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,10 +20,10 @@ from flocking.errors import InputError
 from flocking.kinematic import LawFailedError
 from flocking.types import Bools, Floats
 from generation.environment import Environment
-from generation.validation.kinematic import KinematicGroup
 from trials.simulations import watch
 from trials.simulations.environments import fields, herds
 from trials.simulations.environments.measures import measure
+from trials.simulations.environments.members import Members
 from trials.types import Trial, TrialResult, no_contacts, no_updates
 
 AT_ONCE = 100
@@ -45,6 +46,8 @@ class _Found:
     """(E,) length of the construct."""
     terminals: NDArray[np.int64]
     """(E,) primitives of the construct."""
+    walls: list[Floats]
+    """(W, 4) of each, m."""
     examples: list[tuple[int, Floats]]
     """Numbers of the first valid environments, with the positions (T, N, 2) of the herd in each."""
 
@@ -66,6 +69,7 @@ def run_trial(trial: Trial, scans: str = "none", reraise: bool = False, folder: 
         np.full(count, np.nan),
         np.zeros(count, np.int64),
         [],
+        [],
     )
     built, outcome, reason = perf_counter(), "done", ""
     try:
@@ -82,11 +86,12 @@ def run_trial(trial: Trial, scans: str = "none", reraise: bool = False, folder: 
     return dataclasses.replace(result, measures=measures, timing=timing)
 
 
-def _judge(trial: Trial, numbers: Sequence[int], chosen: fields.Chosen, group: KinematicGroup, found: _Found) -> None:
+def _judge(trial: Trial, numbers: Sequence[int], chosen: fields.Chosen, group: Members, found: _Found) -> None:
     """Generates the environments of these numbers and judges those that pass the filter."""
     passing: list[tuple[int, Environment]] = []
     for number in numbers:
         whole = herds.environment(trial, number, chosen)
+        found.walls.append(whole.walls())
         found.fence_m[number], found.terminals[number] = whole.fence_length(), len(whole.construct)
         found.passed[number] = chosen.filter is None or chosen.filter.accepts(whole, chosen.of_filter)
         if found.passed[number]:
@@ -105,7 +110,7 @@ def _judge(trial: Trial, numbers: Sequence[int], chosen: fields.Chosen, group: K
 
 
 def _ways(
-    trial: Trial, passing: Sequence[tuple[int, Environment]], chosen: fields.Chosen, group: KinematicGroup
+    trial: Trial, passing: Sequence[tuple[int, Environment]], chosen: fields.Chosen, group: Members
 ) -> Iterator[tuple[int, Environment, Floats]]:
     jobs = [herds.job(trial, number, whole) for number, whole in passing]
     for (number, whole), positions in zip(passing, group.trajectories(jobs, chosen.iterations), strict=True):
@@ -131,7 +136,9 @@ def _result(trial: Trial, chosen: fields.Chosen, found: _Found, outcome: str, re
         odometry=np.empty((0, count, 3)),
         bumpers=np.empty((0, count, 2), np.bool_),
         robot_names=tuple(f"{group.name}-{k + 1}" for group in trial.groups for k in range(group.count)),
-        radii=np.repeat([band.radius_m for band in herds.group(trial).bands], [b.count for b in herds.group(trial).bands]),
+        radii=np.repeat(
+            [band.radius_m for band in herds.group(trial).bands], [b.count for b in herds.group(trial).bands]
+        ),
         rules=(),
         walls_w=shown.walls(),
         period_m=np.nan,
@@ -148,14 +155,23 @@ def _result(trial: Trial, chosen: fields.Chosen, found: _Found, outcome: str, re
             "control": found.control,
             "fence_m": found.fence_m,
             "terminals": found.terminals,
+            "walls": np.concatenate([np.empty((0, 4)), *found.walls]),
+            "wall_ends": np.cumsum([0, *(len(walls) for walls in found.walls)]),
             "example_numbers": np.array([number for number, _ in found.examples], np.int64),
             "example_ways": kept.astype(np.float32),
         },
     )
 
 
+def walls_of(tables: Mapping[str, NDArray[Any]], number: int) -> Floats:
+    """(W, 4) the walls of the environment of that number (from 0), m, from a result's tables."""
+    ends = tables["wall_ends"]
+    walls: Floats = tables["walls"][ends[number] : ends[number + 1]]
+    return walls
+
+
 def poses_of(positions: Floats) -> Floats:
-    """(T, N, 3) positions (T, N, 2) with the directions in which members went there; at the start, those that follow."""
+    """(T, N, 3) positions (T, N, 2) with the directions in which members got there; at the start, that of the first step."""
     moves = np.diff(positions, axis=0)
     headings = np.arctan2(moves[..., 1], moves[..., 0])
     headings = np.concatenate([headings[:1], headings]) if len(moves) else np.zeros(positions.shape[:2])
