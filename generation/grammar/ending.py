@@ -30,8 +30,7 @@ def check_ends(grammar: Grammar) -> None:
             left.name
             for left in grammar.lefts
             if any(
-                rule.probability > 0.0
-                and all(each.name in ending or not places(each, rule.right) for each in grammar.lefts)
+                rule.probability > 0.0 and all(each.name in ending or not places(each, rule.right) for each in grammar.lefts)
                 for rule in left.rules
             )
         }
@@ -77,3 +76,5 @@ def _reached(grammar: Grammar) -> set[str]:
                 if rule.probability > 0.0:
                     reached |= {each.name for each in grammar.lefts if places(each, rule.right)}
     return reached
+
+

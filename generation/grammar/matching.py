@@ -60,9 +60,7 @@ def plan(left: Shape, allowed: Allowed, name: str) -> Plan:
         anchor, first = LABEL, int(directed[0]) if directed.size else 0
         at = left.places[first, :2]
     else:
-        corners = [
-            (i, j) for i in range(len(left.kinds)) for j in range(i) if _crossing(left.lines[i], left.lines[j])[0]
-        ]
+        corners = [(i, j) for i in range(len(left.kinds)) for j in range(i) if _crossing(left.lines[i], left.lines[j])[0]]
         if corners:
             anchor, (first, other) = CORNER, corners[0]
             _, x, y = _crossing(left.lines[first], left.lines[other])

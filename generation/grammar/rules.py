@@ -139,3 +139,5 @@ def chances(left: LeftSide, weights: dict[str, float] | None) -> list[float]:
         names = ", ".join(rule.name for rule in left.rules)
         raise InputError(f"rules of {left.name!r}: all probabilities are 0; expected one above 0 at least of {names}")
     return [weight / total for weight in given]
+
+

@@ -64,7 +64,9 @@ def _remade(arguments: tuple[Any, ...], values: tuple[Any, ...]) -> Any:
     return _parameters(*arguments)(*values)
 
 
-def derivation(grammar: Grammar, parameters: Any, workspace: Environment, rng: np.random.Generator) -> Derivation:
+def derivation(
+    grammar: Grammar, parameters: Any, workspace: Environment, rng: np.random.Generator
+) -> Derivation:
     """A derivation with these parameters, from the workspace's marker on that the grammar names.
 
     Raises `InputError` where the least limit is above the most, where the probabilities of a left side are all 0, and
@@ -89,9 +91,7 @@ def _at(grammar: Grammar, workspace: Environment) -> Similarity | None:
     mark = workspace.markers.get(grammar.anchor)
     if not isinstance(mark, Point):
         has = ", ".join(sorted(name for name, mark in workspace.markers.items() if isinstance(mark, Point))) or "none"
-        raise InputError(
-            f"grammar {grammar.name!r} starts at the marker {grammar.anchor!r}; the workspace has the points: {has}"
-        )
+        raise InputError(f"grammar {grammar.name!r} starts at the marker {grammar.anchor!r}; the workspace has the points: {has}")
     return Similarity(turn_rad=mark.heading_rad, x_m=mark.x_m, y_m=mark.y_m)
 
 
@@ -114,10 +114,5 @@ def environment(derivation: Derivation, workspace: Environment) -> Environment:
         workspace,
         construct=(*workspace.construct, *(Segment(*line) for line in built.tolist())),
         markers={**workspace.markers, **markers},
-        origin={
-            **workspace.origin,
-            "schema": grammar.name,
-            "steps": len(derivation.steps) - 1,
-            "ended": derivation.ended,
-        },
+        origin={**workspace.origin, "schema": grammar.name, "steps": len(derivation.steps) - 1, "ended": derivation.ended},
     )

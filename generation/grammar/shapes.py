@@ -11,6 +11,7 @@ from flocking.compilation import compiled
 from flocking.types import Floats, Ints
 from generation.grammar import lines as maximal
 
+
 TOLERANCE_RAD = 1e-6
 """Directions nearer to one another than this are one, rad. A choice, as that of places."""
 

@@ -171,7 +171,7 @@ def walls_of(tables: Mapping[str, NDArray[Any]], number: int) -> Floats:
 
 
 def poses_of(positions: Floats) -> Floats:
-    """(T, N, 3) positions (T, N, 2) with the directions in which members got there; at the start, that of the first step."""
+    """(T, N, 3) positions (T, N, 2) and the directions of the ways there; at the start, of the first step."""
     moves = np.diff(positions, axis=0)
     headings = np.arctan2(moves[..., 1], moves[..., 0])
     headings = np.concatenate([headings[:1], headings]) if len(moves) else np.zeros(positions.shape[:2])
