@@ -1,4 +1,8 @@
-"""How a configuration of a schema is judged: simulations in pairs of mirrored starts, each pair in one environment."""
+"""How a configuration of a schema is judged: simulations in pairs of starts, each pair in one environment.
+
+A pair is a start and its mirror image about the axis of the marker `start`. In a workspace that is its own mirror image
+about it, whatever members do by chance they do as often the other way round: what is left is the construct's.
+"""
 
 from __future__ import annotations
 
@@ -13,9 +17,9 @@ from generation.behaviours import Behaviour
 from generation.environment import Environment
 from generation.group import Group, Job
 from generation.maps.spaces import Box
-from generation.maps.starts import pair, start_of
-from generation.maps.trees import Judged
+from generation.maps.trees import Judged, ParameterMap
 from generation.schema import Schema
+from generation.validation.starts import Starts, axis, mirrored, poses
 
 AT_A_TIME = 64
 """Configurations whose simulations are handed to the group at a time."""
@@ -36,10 +40,8 @@ class Judging(NamedTuple):
     iterations: int
     pairs: int
     """Of starts."""
-    size_m: float
-    """Side of the square in which members start."""
-    spread_rad: float
-    """Headings at the start are within ± it of the marker's."""
+    starts: Starts
+    """Drawn in the workspace alone."""
     seed: tuple[int, ...]
 
 
@@ -51,15 +53,13 @@ def judge(judging: Judging, box: Box, points: Floats, levels: Ints, cells: Ints,
     simulations.
     """
     workspace = judging.schema.workspace()
-    start = start_of(workspace, judging.size_m)
     count = len(points)
     found = Judged(np.zeros(count, np.int64), np.zeros(count, np.int64), np.full(count, np.nan), np.full(count, np.nan))
     for first in range(0, count, AT_A_TIME):
         numbers = range(first, min(first + AT_A_TIME, count))
         jobs: list[Job] = []
         for number in numbers:
-            names = tuple(int(value) for value in (levels[number] + 1, *cells[number]))
-            jobs += _jobs(judging, box, points[number], names, workspace, start)
+            jobs += _jobs(judging, box, points[number], _names(levels[number], cells[number]), workspace)
             found.trials[number] = len(jobs)
         found.trials[numbers] = np.diff(found.trials[numbers], prepend=0)
         ways = judging.group.trajectories(jobs, judging.iterations) if jobs else iter(())
@@ -67,14 +67,25 @@ def judge(judging: Judging, box: Box, points: Floats, levels: Ints, cells: Ints,
     return found
 
 
+def shown_job(judging: Judging, map_: ParameterMap, number: int) -> Job:
+    """The first simulation of a configuration of a map, as it was judged."""
+    names = _names(map_.levels[number], map_.cells[number])
+    return next(_jobs(judging, map_.box, map_.points[number], names, judging.schema.workspace()))
+
+
+def _names(level: int, cell: Ints) -> tuple[int, ...]:
+    """What tells the random numbers of one configuration from those of others."""
+    return tuple(int(value) for value in (level + 1, *cell))
+
+
 def _jobs(
-    judging: Judging, box: Box, point: Floats, names: tuple[int, ...], workspace: Environment, start: Any
+    judging: Judging, box: Box, point: Floats, names: tuple[int, ...], workspace: Environment
 ) -> Iterator[Job]:
     """The simulations of one configuration: a start and its mirror image, and the next pair."""
     rng = np.random.default_rng((*judging.seed, *names))
     of_schema, of_starts = rng.spawn(2)
     parameters = judging.fixed._replace(**dict(zip((axis.name for axis in box.axes), map(float, point), strict=True)))
-    environment, again = workspace, True
+    environment, again, mark = workspace, True, axis(workspace)
     for number in range(judging.pairs):
         if again:
             before = of_schema.bit_generator.state
@@ -84,8 +95,9 @@ def _jobs(
                 return
             again = of_schema.bit_generator.state != before  # a schema that drew nothing makes the same again
         seed = (*judging.seed, *names, number, BEYOND)
-        for poses in pair(judging.group.count, judging.size_m, judging.spread_rad, start, of_starts):
-            yield Job(environment, poses, seed)
+        start = poses(workspace, judging.group.count, judging.starts, of_starts)
+        yield Job(environment, start, seed)
+        yield Job(environment, mirrored(start, mark), seed)
 
 
 def _count(

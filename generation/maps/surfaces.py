@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy import stats
 
-from flocking.types import Floats
+from flocking.types import Floats, Ints
 from generation.maps.trees import ParameterMap, painted
 
 LEVEL = 0.95
@@ -69,11 +69,11 @@ def _widths(map_: ParameterMap, places: Floats) -> Floats:
     return found
 
 
-def wilson(successes: Floats, trials: Floats, level: float = LEVEL) -> tuple[Floats, Floats]:
-    """Wilson's interval (1927) of shares of success, (C,) each; nan where there were no trials."""
-    z = float(stats.norm.ppf(0.5 + level / 2.0))
-    n = np.where(np.asarray(trials) > 0, trials, np.nan).astype(np.float64)
-    share = successes / n
-    middle = (share + z * z / (2.0 * n)) / (1.0 + z * z / n)
-    half = z / (1.0 + z * z / n) * np.sqrt(share * (1.0 - share) / n + z * z / (4.0 * n * n))
-    return middle - half, middle + half
+def interval(successes: Ints, trials: Ints) -> tuple[Floats, Floats]:
+    """The 95 % interval of each configuration's probability by itself, (C,) each: Jeffreys', as of the surface.
+
+    The simulations of a pair are taken as independent. Where chance alone decides, the two of a pair come out as
+    opposites, and the interval is too wide.
+    """
+    won, lost, tail = 0.5 + successes, 0.5 + trials - successes, (1.0 - LEVEL) / 2.0
+    return stats.beta.ppf(tail, won, lost), stats.beta.ppf(1.0 - tail, won, lost)
