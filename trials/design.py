@@ -51,12 +51,14 @@ def plan(
     law: str | None = None,
     pipeline: str | None = None,
     body: str | None = None,
+    most_by: str = "--repeats",
 ) -> Plan:
     """The trials of an experiment.
 
     `settings` puts keys to other values: on a key that the experiment varies, this value replaces all of its own.
     `sweep` gives a key several values: on a key that the experiment varies they replace its own, on any other they
     make one arm each. Trials are numbered from 1, repeat by repeat, so that more repeats keep the numbers.
+    `most_by`: the flag that says how many repeats there are at the most.
     Raises `InputError` for anything that does not exist or fit.
     """
     module, experiment = load(name), name_of(name)
@@ -84,9 +86,7 @@ def plan(
     total = repeats * sum(len(cells) for _, cells in designs)
     if total > MAX_TRIALS:
         most = MAX_TRIALS * repeats // total
-        raise InputError(
-            f"{total} trials by --repeats {repeats}: expected at most {MAX_TRIALS}, as by --repeats {most}"
-        )
+        raise InputError(f"{total} trials of {repeats} repeats: expected at most {MAX_TRIALS}, as by {most_by} {most}")
     placed = _placed(module, settings, [{**arm, **cell} for arm, cells in designs for cell in cells], notes)
     own = _of_some_starts(module, repeats, {*settings, *conditions, *arm_values}, notes)
     trials: list[Trial] = []

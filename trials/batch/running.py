@@ -99,6 +99,7 @@ def planned(asked: Asked) -> tuple[Plan, list[Trial]]:
         law=asked.law,
         pipeline=asked.pipeline,
         body=asked.body,
+        most_by="--budget" if asked.until_decided else "--repeats",
     )
     if asked.scans == "all" and not any(simulations.of(trial).has_scans for trial in made.trials):
         raise InputError(f"--scans all: {made.experiment} has no lasers; expected an experiment on robots")

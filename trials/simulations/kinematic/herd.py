@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -53,10 +53,15 @@ def assemble(trial: Trial) -> Herd:
     centre = np.zeros(2) if space.kind == "unbounded" else np.full(2, space.size_m / 2.0)
     whole = [_band(trial, number, centre) for number in range(len(trial.groups))]
     kinds = [2 * g + (np.isfinite(_goals(band)).all(axis=1)) for g, band in enumerate(whole)]
-    bands = [part for band, group in zip(whole, trial.groups, strict=True) for part in _by_role(band, group)]
+    bands = _parts(whole, trial.groups)
     given = fields.of_trial(trial)
     graph = _graph(given.graph, len(poses_w)) if any(map(_selects_by_graph, bands)) else None
     return Herd(bands, space, poses_w, speeds, given, graph, np.concatenate(kinds))
+
+
+def bands_of(trial: Trial, centre: Floats) -> list[Band]:
+    """The bands of all groups of a trial; goals are given from `centre` (2,)."""
+    return _parts([_band(trial, number, centre) for number in range(len(trial.groups))], trial.groups)
 
 
 def check(trial: Trial) -> None:
@@ -180,6 +185,11 @@ def _band(trial: Trial, number: int, centre: Floats) -> Band:
         obstacles=given.obstacles,
         avoidance=avoidance.Parameters(given.look_ahead_m, given.margin_m, given.virtual_range_m),
     )
+
+
+def _parts(bands: Sequence[Band], groups: Sequence[Group]) -> list[Band]:
+    """One band a group, or two where a group has leaders and others: the leaders come first."""
+    return [part for band, group in zip(bands, groups, strict=True) for part in _by_role(band, group)]
 
 
 def _by_role(band: Band, group: Group) -> list[Band]:
