@@ -9,7 +9,10 @@ from generation.environment import Environment, Mark
 
 
 def marker(environment: Environment, name: str, reader: str, *kinds: type) -> Any:
-    """A marker that a behaviour or a filter (`reader`) needs. Raises `InputError` where it is missing or no primitive of these kinds."""
+    """A marker that a behaviour or a filter (`reader`) needs.
+
+    Raises `InputError` where it is missing, or none of these kinds.
+    """
     found: Mark | None = environment.markers.get(name)
     if not isinstance(found, kinds):
         expected = " or ".join(kind.__name__.lower() for kind in kinds)
