@@ -49,7 +49,7 @@ def region(map_: ParameterMap, within: Mapping[str, tuple[float, float]] | None 
     owner = painted(map_.box, map_.cells, map_.levels, level)
     possible, success = map_.possible[owner] & (owner >= 0), map_.successful[owner] & (owner >= 0)
     whole = max(1, int(possible.sum()))
-    labels, sizes = components(success, map_.box.wraps)
+    _, sizes = components(success, map_.box.wraps)
     in_box = _cells_in_box(map_, within, level)
     means = _means(share[owner], possible.astype(np.float64), in_box)
     return Region(
@@ -62,7 +62,7 @@ def region(map_: ParameterMap, within: Mapping[str, tuple[float, float]] | None 
 
 
 def density(success: Bools, possible: Bools, window: int, wraps: Bools) -> float:
-    """Share of the possible cells in a window of so many cells about a successful one that are successful, their mean."""
+    """Share of success among the possible cells in a window of so many cells about a successful one: their mean."""
     if not success.any():
         return math.nan
     modes = ["wrap" if each else "constant" for each in wraps]

@@ -21,7 +21,9 @@ ABOUT: dict[str, Measure] = {
     "first_successful": Measure("", "successful configurations of the first iteration"),
     "refused": Measure("", "configurations of which the schema makes nothing"),
     "region_area": Measure("", "share of the possible parameters that the successful cells cover"),
-    "region_density": Measure("", "share of success about a successful place, in a window of the first iteration's cell"),
+    "region_density": Measure(
+        "", "share of success about a successful place, in a window of the first iteration's cell"
+    ),
     "clustering": Measure("", "region_density over region_area: 1 where successes are strewn at random"),
     "components": Measure("", "parts of the region that faces connect"),
     "largest_share": Measure("", "volume share of the largest of them; 0 without any"),
