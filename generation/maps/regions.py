@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy import ndimage
 
-from flocking.types import Bools, Floats
+from flocking.types import Bools, Floats, Ints
 from generation.maps.trees import ParameterMap, painted
 
 
@@ -71,7 +71,7 @@ def density(success: Bools, possible: Bools, window: int, wraps: Bools) -> float
     return float(np.clip(near[success] / there[success], 0.0, 1.0).mean())
 
 
-def components(success: Bools, wraps: Bools) -> tuple[Floats, Floats]:
+def components(success: Bools, wraps: Bools) -> tuple[Ints, Floats]:
     """The parts that faces connect: a label of each cell, 0 = none, and how many cells each part has."""
     labels, count = ndimage.label(success)
     parent = np.arange(count + 1)
