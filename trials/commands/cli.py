@@ -64,9 +64,7 @@ Pipeline = Annotated[str | None, Option(help="Another member detection.")]
 Body = Annotated[str | None, Option(help="Another robot: its name or the path of your own folder.")]
 World = Annotated[
     str | None,
-    Option(
-        metavar="WORLD", help="Another world: its name, or the path of an environment, a plan or your own file."
-    ),
+    Option(metavar="WORLD", help="Another world: its name, or the path of an environment, a plan or your own file."),
 ]
 Settings = Annotated[
     list[str] | None, Option("--set", metavar="KEY=VALUE", help="Sets a parameter; VALUE is TOML. May be repeated.")
@@ -358,6 +356,55 @@ def map_(
             schema, behaviour, law, members, refinements, budget, method, seed, options.settings(settings or []), out
         )
     )
+
+
+@app.command()
+def validate(
+    environments: Annotated[
+        list[Path], Argument(metavar="ENVIRONMENT...", help="Files of environments, or folders of them.")
+    ],
+    behaviour: Annotated[str, Option(help="Its name, or the path of your own file.")],
+    law: Annotated[str, Option(help="Its name, or the path of your own file.")],
+    members: Annotated[int, Option(parser=_whole(1, 1000), metavar="N", help="Members of the group.")],
+    body: Annotated[
+        str | None, Option(help="Robots in MuJoCo of that body, as create; kinematic members by default.")
+    ] = None,
+    scale: Annotated[
+        float | None, Option(metavar="M", help="Of robots: metres in a unit of the environment; 0.05 by default.")
+    ] = None,
+    repeats: Annotated[int, Option(parser=_whole(1), metavar="R", help="Starts in each environment.")] = 1,
+    mirror: Annotated[bool, Option("--mirror", help="Tries each start's mirror image too.")] = False,
+    robustness: Annotated[
+        bool, Option("--robustness", help="Perturbs the environments that elicit the behaviour, and ranks them.")
+    ] = False,
+    seed: Seed = 1,
+    jobs: Jobs = None,
+    out: Annotated[Path | None, Option(metavar="FILE", help="Writes a row an environment: .csv or .json.")] = None,
+    settings: Settings = None,
+) -> None:
+    """Tries environments with a group.
+
+    Each environment's fitness for a behaviour beside that of its empty world on the same starts, and the uplift. Keys
+    of --set: law.*, members.*, starts.*, behaviour.*, robustness.*.
+    """
+    from trials.commands import options, validation
+
+    asked = validation.Asked(
+        environments,
+        behaviour,
+        law,
+        members,
+        body,
+        scale,
+        repeats,
+        seed,
+        mirror,
+        robustness,
+        _jobs(jobs, None),
+        out,
+        options.settings(settings or []),
+    )
+    validation.validate(asked)
 
 
 @app.command()
