@@ -11,17 +11,20 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from flocking import found
 from flocking.parameters import filled
 from flocking.types import Floats, Ints
 from robots import body, physics, touching
 from robots.body import Body, Fleet
 from robots.fleets import fleet_of
-from worlds.walls import Walls, add_walls
+from worlds import known
+from worlds.walls import Walls, add_walls, walls_of
 
 NEVER = -(10**9)
 """Tick of the last touch of a pair that has not touched yet."""
 _NEW_CONTACTS = 256
+FEW_WALLS = 16
+"""Up to so many boxes each robot is held against each; more are kept in MuJoCo's tree of bounding boxes. A choice: with
+742 boxes the tree takes a third of the time."""
 
 
 @dataclass
@@ -98,9 +101,9 @@ def build(
     Raises `InputError` for an unknown world, body or parameter.
     """
     kinds = tuple(body.load(name) for name in bodies)
-    module = found.load("worlds", world, "world", world_text)
-    parameters = filled(module.Parameters, world_parameters, prefix="world.")
-    walls = module.walls(parameters)
+    its = known.load(world, world_text)
+    parameters = filled(its.parameters, world_parameters, prefix="world.")
+    walls = walls_of(its.environment(parameters))
     model = specification(walls, kinds, names, poses_w, timestep_s, looks=False).compile()
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
@@ -112,7 +115,7 @@ def build(
         bodies=kinds,
         walls=walls,
         names=tuple(names),
-        free_length=float(module.free_length(parameters, max(kind.radius for kind in kinds))),
+        free_length=its.free_length(parameters, max(kind.radius for kind in kinds)),
         _owners=_geom_owners(model, fleet.root_bodies),
         _last_touch=np.full((len(names), len(names) + 1), NEVER, dtype=np.int64),
         _began=np.empty((_NEW_CONTACTS, 4)),
@@ -149,6 +152,8 @@ def specification(
         rgba=[0.92, 0.92, 0.9, 1.0],
     )
     add_walls(spec, walls)
+    if len(walls.all) > FEW_WALLS:
+        spec.option.disableflags &= ~int(mujoco.mjtDisableBit.mjDSBL_MIDPHASE)
     robots = {name: kind.spec() for name, kind in {kind.name: kind for kind in kinds}.items()}
     if not looks:
         robots = {name: physics.bare(robot) for name, robot in robots.items()}
