@@ -349,9 +349,13 @@ def map_(
     refinements: Annotated[
         int, Option(parser=_whole(0, 12), metavar="R", help="Beyond the first iteration, around successes.")
     ] = 3,
-    budget: Annotated[
-        int, Option(parser=_whole(0), metavar="N", help="Most configurations; 0: any number.")
-    ] = 0,
+    refined: Annotated[
+        str | None, Option(metavar="A,B", help="Parameters that vary; the schema's first two by default.")
+    ] = None,
+    grid: Annotated[
+        str | None, Option(metavar="N|N,M", help="Cells of the first iteration along each of them; 8 by default.")
+    ] = None,
+    budget: Annotated[int, Option(parser=_whole(0), metavar="N", help="Most configurations; 0: any number.")] = 0,
     method: Annotated[Literal["quad-tree", "random"], Option(help="How configurations are chosen.")] = "quad-tree",
     seed: Seed = 1,
     settings: Settings = None,
@@ -359,13 +363,24 @@ def map_(
     """Maps a schema's parameters.
 
     Which of them make environments that elicit a behaviour, by simulations from mirrored starts. Keys of --set:
-    refined, grid, pairs, reliable_share, world.*, formation.*, box.*, herd.*.
+    pairs, splits, reliable_share, world.*, behaviour.*, formation.*, box.*, herd.*.
     """
     from trials.commands import mapping, options
 
     mapping.map_(
         mapping.Asked(
-            schema, behaviour, law, members, refinements, budget, method, seed, options.settings(settings or []), out
+            schema,
+            behaviour,
+            law,
+            members,
+            refinements,
+            refined,
+            grid,
+            budget,
+            method,
+            seed,
+            options.settings(settings or []),
+            out,
         )
     )
 

@@ -30,6 +30,8 @@ class Asked(NamedTuple):
     law: str
     members: int
     refinements: int
+    refined: str | None
+    grid: str | None
     budget: int
     method: str
     seed: int
@@ -81,8 +83,8 @@ def _trial(asked: Asked) -> Trial:
     trial = fields.trial("map", 1, [herd], asked.schema)
     trial = dataclasses.replace(trial, seed=asked.seed)
     given: dict[str, Any] = {"method": asked.method, "refinements": asked.refinements, "budget": asked.budget}
-    if asked.behaviour is not None:
-        given["behaviour"] = asked.behaviour
+    own = {"behaviour": asked.behaviour, "refined": asked.refined, "grid": asked.grid}
+    given |= {key: value for key, value in own.items() if value is not None}
     for key, value in {**given, **asked.settings}.items():
         trial = keys.put(trial, key, value)
     return trial

@@ -70,14 +70,14 @@ def flips(tables: Mapping[str, NDArray[Any]], map_: ParameterMap) -> Canvas:
     """
     from matplotlib.collections import LineCollection
 
-    canvas, axes = grid(3, 3, width=9.6, height=3.0, share=True)
+    canvas, axes = grid(3, 3, width=9.6, height=2.4, share=True)
     ways, walls = tables["flip_ways"].astype(np.float64), tables["flip_walls"]
     titles = ["workspace alone"]
     for number in tables["flip_numbers"]:
         values = ", ".join(
             f"{axis.name} {value:.4g}" for axis, value in zip(map_.box.axes, map_.points[number], strict=True)
         )
-        titles.append(f"{values}: {map_.judged.successes[number]} of {map_.judged.trials[number]}")
+        titles.append(f"{values}\n{map_.judged.successes[number]} of {map_.judged.trials[number]} simulations succeed")
     for axis, title, way, wall in zip(axes, titles, ways, walls, strict=True):
         axis.set_title(title, loc="left")
         axis.set_aspect("equal")

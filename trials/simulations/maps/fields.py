@@ -112,6 +112,10 @@ OF_BOIDS: Mapping[str, Value] = {"range_m": 3.0, "separation_m": 1.0}
 """Radii of BOIDS in corridors of 2 m."""
 SPEED_M_S = 0.1
 """A tenth of a metre a step of one second."""
+LOOK_AHEAD_M, MARGIN_M = 0.75, 0.28
+"""Of the shared avoidance: what it has by itself."""
+SIGHT_M = 1.1
+"""Of walls: what is farther away than look-ahead and margin together changes no motion, and costs time."""
 
 
 class Chosen(NamedTuple):
@@ -167,8 +171,9 @@ def herd(count: int, law: str = BOIDS) -> Group:
         max_turn_rate_rad_s=0.5,
         obstacles="avoid",
         obstacle_selection="nearest",
-        look_ahead_m=0.75,
-        margin_m=0.28,
+        look_ahead_m=LOOK_AHEAD_M,
+        margin_m=MARGIN_M,
+        sight_m=SIGHT_M,
     )
 
 

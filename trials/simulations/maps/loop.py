@@ -77,7 +77,7 @@ def mapped(
     breathe: Callable[[int], None],
     told: Callable[[Judged], None] = lambda judged: None,
 ) -> ParameterMap:
-    """The map of a trial. `breathe` is called for each configuration, `told` is given the outcomes of each iteration."""
+    """The map of a trial. `breathe` is called for each configuration; `told` is given each iteration's outcomes."""
     given, box = fields.of_trial(trial), chosen.box
     rng = stream(trial.seed, trial.repeat, 0, 0, Purpose.PARAMETERS)
 
@@ -122,7 +122,7 @@ def _result(
     herd = herd_of(trial)
     return TrialResult(
         trial=trial,
-        times=np.arange(len(positions)) * fields.of_trial(trial).timestep_s,
+        times=np.arange(len(positions), dtype=np.float64) * fields.of_trial(trial).timestep_s,
         poses_w=poses_of(positions),
         odometry=np.empty((0, count, 3)),
         bumpers=np.empty((0, count, 2), np.bool_),

@@ -6,8 +6,10 @@ The publication gives the law and the group sizes of its maps and nothing else; 
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from trials.simulations.maps.fields import herd, trial
-from trials.types import Trial, Value
+from trials.types import Trial, Value, with_setup
 
 COUNT, ANCHOR, REFINEMENTS, METHOD, WORLD = "herd.count", "world.anchor", "refinements", "method", "world"
 SOLITARY, FEW, MEMBERS = 1, 3, 7
@@ -20,8 +22,9 @@ def base(
     repeat: int,
     schema: str,
     count: int = MEMBERS,
-    formation_parameters: dict[str, Value] | None = None,
+    formation_parameters: Mapping[str, Value] | None = None,
     **setup: Value,
 ) -> Trial:
     """A map of a schema for that herd."""
-    return trial(experiment, repeat, [herd(count)], schema, formation_parameters=formation_parameters, **setup)
+    found = trial(experiment, repeat, [herd(count)], schema, formation_parameters=formation_parameters)
+    return with_setup(found, setup)

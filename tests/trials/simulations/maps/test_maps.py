@@ -11,7 +11,7 @@ from flocking.errors import InputError
 from trials import design, keys, simulations
 from trials.batch import series
 from trials.simulations.maps import fields, loop, simulation
-from trials.types import Trial, with_setup
+from trials.types import Trial
 
 SMALL = {"grid": "3", "refinements": 1, "pairs": 2, "iterations": 120}
 
