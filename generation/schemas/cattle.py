@@ -1,6 +1,6 @@
 """Two classes of cattle that are corralled, lined up and sorted, one after the other.
 
-Source: Fine 2015, section 6.1.3, which names the three behaviours alone; all geometry is a choice, at the scale of dirt.
+Source: Fine 2015, section 6.1.3, which names the three behaviours alone; all geometry is a choice, in dirt's scale.
 The herd comes from -y: out of a field between two wings (dsdr) into a pen, through a narrower pair (dsdr) into the
 stem of a T-junction, and past a wall (dirt). Walls sort classes only by what their members do differently.
 """
