@@ -69,10 +69,10 @@ def judge(
     return found
 
 
-def shown_job(judging: Judging, map_: ParameterMap, number: int) -> Job:
-    """The first simulation of a configuration of a map, as it was judged."""
+def jobs_of(judging: Judging, map_: ParameterMap, number: int) -> list[Job]:
+    """The simulations of a configuration of a map, as it was judged."""
     names = _names(map_.levels[number], map_.cells[number])
-    return next(_jobs(judging, map_.box, map_.points[number], names, judging.schema.workspace()))
+    return list(_jobs(judging, map_.box, map_.points[number], names, judging.schema.workspace()))
 
 
 def _names(level: int, cell: Ints) -> tuple[int, ...]:
@@ -85,8 +85,8 @@ def _jobs(judging: Judging, box: Box, point: Floats, names: tuple[int, ...], wor
     rng = np.random.default_rng((*judging.seed, *names))
     of_schema, of_starts = rng.spawn(2)
     parameters = judging.fixed._replace(**dict(zip((axis.name for axis in box.axes), map(float, point), strict=True)))
-    environment, again, mark = workspace, True, axis(workspace)
-    for number in range(judging.pairs):
+    environment, again = workspace, True
+    for number, (start, mirror) in enumerate(_pairs(judging, workspace, of_starts)):
         if again:
             before = of_schema.bit_generator.state
             try:
@@ -95,9 +95,20 @@ def _jobs(judging: Judging, box: Box, point: Floats, names: tuple[int, ...], wor
                 return
             again = of_schema.bit_generator.state != before  # a schema that drew nothing makes the same again
         seed = (*judging.seed, *names, number, BEYOND)
-        start = poses(workspace, judging.group.count, judging.starts, of_starts)
         yield Job(environment, start, seed)
-        yield Job(environment, mirrored(start, mark), seed)
+        yield Job(environment, mirror, seed)
+
+
+def _pairs(judging: Judging, workspace: Environment, rng: np.random.Generator) -> Iterator[tuple[Floats, Floats]]:
+    """The starts (N, 3) of a configuration, each with its mirror image: all drawn at once where members may be near."""
+    count, pairs, mark = judging.group.count, judging.pairs, axis(workspace)
+    if judging.starts.apart_m > 0.0:
+        drawn = np.concatenate([poses(workspace, count, judging.starts, rng) for _ in range(pairs)])
+    else:
+        drawn = poses(workspace, count * pairs, judging.starts, rng)
+    images = mirrored(drawn, mark)
+    for first in range(0, count * pairs, count):
+        yield drawn[first : first + count], images[first : first + count]
 
 
 def _count(

@@ -1,10 +1,12 @@
 """The probability of success over a map's parameters, with its uncertainty, from configurations at unequal distances.
 
-At a place x the outcomes of all configurations i count with the weight w_i = exp(-d_i^2 / 2), where d_i is the distance
-in widths of the cell that x lies in (of a map of random configurations: of the cells that they would fill evenly). The
-probability is then the mean of Beta(1/2 + Σ w_i k_i, 1/2 + Σ w_i (n_i - k_i)), of k_i successes in n_i simulations
-with Jeffreys' prior, and its uncertainty that distribution's 95 % interval. So the surface is fine where the map is.
-Neighbours count as if their probability were the same: where it changes within a cell, the interval is too narrow.
+At a place x the outcomes of configuration i count with the weight w_i = min(1, v_i / v) exp(-d_i^2 / 2). The distance
+d_i is in widths of the cell that x lies in, v is the volume of that cell and v_i that of the configuration's own: where
+a map is fine, many configurations stand for as much space as one elsewhere. Configurations whose cells were split stand
+for none. Random configurations have the cells that they would fill evenly. The probability is then the mean of
+Beta(1/2 + Σ w_i k_i, 1/2 + Σ w_i (n_i - k_i)), of k_i successes in n_i simulations with Jeffreys' prior, and its
+uncertainty that distribution's 95 % interval. So the surface is fine where the map is. Neighbours count as if their
+probability were the same: where it changes within a cell, the interval is too narrow.
 """
 
 from __future__ import annotations
@@ -36,7 +38,10 @@ class Surface(NamedTuple):
 def surface(map_: ParameterMap, places: Floats) -> Surface:
     """The probability of success at places (P, d) of a map's box. nan without a possible configuration."""
     widths = _widths(map_, places)
-    kept = map_.possible
+    whole = widths.prod(axis=1)
+    shares = _volumes(map_)
+    kept = map_.possible & (shares > 0.0)
+    shares = shares[kept]
     points, trials, successes = map_.points[kept], map_.judged.trials[kept], map_.judged.successes[kept]
     won, lost = np.full(len(places), math.nan), np.full(len(places), math.nan)
     step = max(1, AT_A_TIME // max(1, len(points)))
@@ -49,9 +54,20 @@ def surface(map_: ParameterMap, places: Floats) -> Surface:
                 apart = np.minimum(apart, span - apart)
             squared += (apart / widths[part, column, None]) ** 2
         weights = np.where(squared <= CUT * CUT, np.exp(-0.5 * squared), 0.0)
+        weights *= np.minimum(1.0, shares / whole[part, None])
         won[part], lost[part] = 0.5 + weights @ successes, 0.5 + weights @ (trials - successes)
     tail = (1.0 - LEVEL) / 2.0
     return Surface(won / (won + lost), stats.beta.ppf(tail, won, lost), stats.beta.ppf(1.0 - tail, won, lost))
+
+
+def _volumes(map_: ParameterMap) -> Floats:
+    """(C,) the volume that each configuration stands for; 0 where others stand for its cell."""
+    whole = float(map_.box.spans.prod())
+    if (map_.levels < 0).any():
+        return np.full(len(map_.points), whole / max(1, len(map_.points)))
+    owner = painted(map_.box, map_.cells, map_.levels, map_.finest)
+    counts = np.bincount(owner[owner >= 0], minlength=len(map_.points))
+    return whole * counts / owner.size
 
 
 def _widths(map_: ParameterMap, places: Floats) -> Floats:

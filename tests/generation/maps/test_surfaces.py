@@ -38,8 +38,8 @@ def test_of_one_probability_everywhere_the_unequal_samples_of_a_tree_make_no_oth
     map_ = refined(box, judge, 2, 0.9, 0, np.random.default_rng(1))
     places = np.random.default_rng(2).random((400, 2))
     found = surface(map_, places)
-    # the tree splits where chance gave many successes, whose own outcomes stay in: 0.02 is half a standard error of one
-    # configuration, sqrt(0.8 * 0.2 / 20) = 0.09, in some six that count
+    # one configuration has a standard error of sqrt(0.8 * 0.2 / 20) = 0.09, and a hundred stand for the box; that
+    # a chance success is split and judged anew bends the mean by less than that
     assert found.probability.mean() == pytest.approx(0.8, abs=0.02)
     assert ((found.low < 0.8) & (found.high > 0.8)).mean() > 0.85
 
@@ -56,3 +56,16 @@ def test_of_random_configurations_the_surface_follows_a_slope() -> None:
     found = surface(map_, places)
     # some 2 pi of 600 configurations count, of 20 simulations each: standard error 0.045 at the most, and three of them
     assert np.abs(found.probability - places[:, 0]).max() < 0.14
+
+
+def test_a_finely_sampled_region_does_not_outweigh_its_surroundings() -> None:
+    box = Box((Axis("x", "m", 0.0, 1.0, 8), Axis("y", "m", 0.0, 1.0, 8)))
+
+    def judge(points, levels, cells):  # type: ignore[no-untyped-def]
+        won = np.where(np.abs(points[:, 0] - 0.3) < 0.1, 20, 4)
+        return Judged(np.full(len(points), 20), won, won / 20, np.zeros(len(points)))
+
+    map_ = refined(box, judge, 4, 0.9, 0, np.random.default_rng(1), "all")
+    found = surface(map_, np.array([[0.3, 0.5], [0.7, 0.5]]))
+    assert found.probability[0] > 0.95
+    assert found.probability[1] == pytest.approx(0.2, abs=0.03)  # what lies two cells and more away adds a bit

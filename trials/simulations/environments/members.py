@@ -27,5 +27,6 @@ class Members:
 
     def trajectories(self, jobs: Sequence[Job], iterations: int) -> Iterator[Floats]:
         """For each job the positions (iterations + 1, N, 2) of the members. Raises `LawFailedError`."""
-        starts = [Start(job.poses_w, job.environment.walls(), job.seed) for job in jobs]
+        walls = {id(each): each.walls() for each in {id(job.environment): job.environment for job in jobs}.values()}
+        starts = [Start(job.poses_w, walls[id(job.environment)], job.seed) for job in jobs]
         return positions_of(self.bands, starts, self.dt_s, iterations, self.speeds_m_s)

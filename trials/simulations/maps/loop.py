@@ -15,8 +15,9 @@ from flocking.errors import InputError
 from flocking.kinematic import LawFailedError
 from flocking.types import Floats, Ints
 from generation.environment import Environment
+from generation.group import Job
 from generation.maps.flips import flip
-from generation.maps.judging import Judging, judge, shown_job
+from generation.maps.judging import Judging, jobs_of, judge
 from generation.maps.trees import Judged, ParameterMap, refined, scattered
 from trials.simulations import watch
 from trials.simulations.environments.loop import poses_of
@@ -116,7 +117,7 @@ def _result(
     positions = np.zeros((1, judging.group.count, 2))
     if map_ is not None and map_.possible.any():
         shares = np.where(map_.possible, map_.judged.successes / np.maximum(map_.judged.trials, 1), -1.0)
-        job = shown_job(judging, map_, int(np.argmax(shares)))
+        job = jobs_of(judging, map_, int(np.argmax(shares)))[0]
         environment, positions = job.environment, next(iter(judging.group.trajectories([job], chosen.iterations)))
     count = judging.group.count
     herd = herd_of(trial)
@@ -157,21 +158,26 @@ def _tables(map_: ParameterMap) -> dict[str, NDArray[Any]]:
 def flipped(judging: Judging, map_: ParameterMap) -> dict[str, NDArray[Any]]:
     """The herd's ways in the workspace alone and in the two nearest environments of opposite outcomes, from one start.
 
+    The start is that, of those of the successful one, from which the fitness in both differs most.
     `flip_numbers` (2,) are the configurations, `flip_ways` (3, T, N, 2) the ways and `flip_walls` (3, W, 4) the walls,
     nan where an environment has fewer. Empty where no configuration succeeds or none fails.
     """
     found = flip(map_)
     if found is None:
         return {}
-    jobs = [shown_job(judging, map_, number) for number in found]
-    jobs = [
-        jobs[0]._replace(environment=judging.schema.workspace()),
-        jobs[0],
-        jobs[1]._replace(poses_w=jobs[0].poses_w),
-    ]
+    good, bad = (jobs_of(judging, map_, number) for number in found)
+    bad = [one._replace(poses_w=other.poses_w) for one, other in zip(bad, good, strict=True)]
+    start = int(np.argmax(np.array(_fitness(judging, good)) - np.array(_fitness(judging, bad))))
+    jobs = [good[start]._replace(environment=judging.schema.workspace()), good[start], bad[start]]
     walls = [job.environment.walls() for job in jobs]
     joined = np.full((len(jobs), max(map(len, walls)), 4), np.nan)
     for row, each in zip(joined, walls, strict=True):
         row[: len(each)] = each
     ways = np.array(list(judging.group.trajectories(jobs, judging.iterations)), dtype=np.float32)
     return {"flip_numbers": np.array(found), "flip_ways": ways, "flip_walls": joined}
+
+
+def _fitness(judging: Judging, jobs: list[Job]) -> list[float]:
+    ways = judging.group.trajectories(jobs, judging.iterations)
+    behaviour, given = judging.behaviour, judging.of_behaviour
+    return [behaviour.judged(way, job.environment, given) for job, way in zip(jobs, ways, strict=True)]

@@ -113,8 +113,9 @@ def _claim(table: str, number: int, quantity: str, test: str, outcomes: Callable
     return claim_of(__package__, "fine2015", table, number, quantity, all_must_hold(test, outcomes))
 
 
-def _first(anchor: int) -> tuple[Any, ...]:
-    return anchor, MEMBERS, 0
+def _first(cells: Cells, anchor: int) -> tuple[Any, ...]:
+    """The cell of an anchor for seven members at the fewest refinements that a run has."""
+    return anchor, MEMBERS, min(cells.levels(REFINEMENTS))
 
 
 def _refined(cells: Cells, count: int) -> tuple[Any, ...]:
@@ -130,7 +131,11 @@ def _anchors(cells: Cells) -> list[Outcome]:
     if not others:
         raise UndecidedError("the run has no other anchor")
     return [
-        more(f"anchor 4 less anchor {anchor}", cells.difference("first_successful", _first(4), _first(anchor)), ONE)
+        more(
+            f"anchor 4 less anchor {anchor}",
+            cells.difference("first_successful", _first(cells, 4), _first(cells, anchor)),
+            ONE,
+        )
         for anchor in others
     ]
 

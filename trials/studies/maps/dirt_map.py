@@ -24,13 +24,15 @@ SOURCES = {
     COUNT: Parameter("members", "Fine 2015, section 7.4.2", published=True),
     ANCHOR: Parameter("", "Fine 2015, section 7.4.2", published=True),
     REFINEMENTS: Parameter("", "Fine 2015, section 7.4.2: six for anchor four", published=True),
+    "iterations": Parameter("", "a choice: 15 m, where 8 m lead to the goal line"),
+    "grid": Parameter("", "a choice: 45 degrees by 1 m"),
 }
 KEY_MEASURES = ("configurations", "successful", "region_area", "region_density", "success_inside", "success_outside")
 
 
 def base(repeat: int) -> Trial:
     """Seven members and a wall at anchor four."""
-    return with_setup(design.base("dirt-map", repeat, "dirt"), PUBLISHED_BOX)
+    return with_setup(design.base("dirt-map", repeat, "dirt", grid=design.GRID, **design.WALK), PUBLISHED_BOX)
 
 
 def cells(conditions: Mapping[str, Sequence[Any]]) -> list[dict[str, Value]]:

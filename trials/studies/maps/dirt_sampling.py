@@ -16,13 +16,13 @@ from trials.types import Trial, with_setup
 REPEATS = 8
 RECORD = "none"
 CONDITIONS = {METHOD: METHODS}
-SOURCES = {"budget": Parameter("configurations", "a choice: the quad-tree's first three levels and part of the fourth")}
+SOURCES = {"budget": Parameter("configurations", "a choice: the quad-tree's first levels and part of the next")}
 KEY_MEASURES = ("configurations", "successful", "successful_share", "success_inside", "success_outside")
 
 
 def base(repeat: int) -> Trial:
     """Seven members, anchor four, 256 configurations."""
-    trial = design.base("dirt-sampling", repeat, "dirt", refinements=6, budget=256)
+    trial = design.base("dirt-sampling", repeat, "dirt", grid=design.GRID, refinements=6, budget=256, **design.WALK)
     return with_setup(trial, PUBLISHED_BOX)
 
 

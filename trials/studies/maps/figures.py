@@ -40,7 +40,7 @@ def _dirt(run: Run, place: Place) -> list[Figure]:
         caption = f"{STYLE} As figure 7.10 of Fine 2015: the first iteration, seven members."
         found.append(draw.save(maps.marks(first), place, "anchors", "DIRT from four anchors", caption))
     sizes = (SOLITARY, FEW, MEMBERS)
-    deep = _maps(run, [(f"{n} members", {ANCHOR: 4, COUNT: n, REFINEMENTS: max(depths)}) for n in sizes])
+    deep = _maps(run, [(_members(n), {ANCHOR: 4, COUNT: n, REFINEMENTS: max(depths)}) for n in sizes])
     if max(depths) > min(depths) and any(map_ for _, map_ in deep):
         caption = f"{STYLE} As figures 7.11 to 7.13 of Fine 2015: anchor four, refined around successes."
         found.append(draw.save(maps.marks(deep, 3), place, "sizes", "DIRT by group size", caption, dots=True))
@@ -102,13 +102,17 @@ def of_both(run: Run, folder: Path) -> list[Figure]:
 
     def drawn(run: Run, place: Place) -> list[Figure]:
         wanted = [
-            (f"{schema.upper()}, {count} members", {WORLD: schema, COUNT: count})
+            (f"{schema.upper()}, {_members(count)}", {WORLD: schema, COUNT: count})
             for schema in ("dirt", "sirt")
             for count in (SOLITARY, FEW, MEMBERS)
         ]
         return [draw.save(maps.marks(_maps(run, wanted), 3), place, "both", "DIRT and SIRT", STYLE)]
 
     return by_arm(run, folder, (WORLD, COUNT), drawn)
+
+
+def _members(count: int) -> str:
+    return f"{count} member{'s' if count > 1 else ''}"
 
 
 def _maps(run: Run, wanted: Sequence[tuple[str, Mapping[str, Any]]]) -> list[tuple[str, ParameterMap | None]]:
