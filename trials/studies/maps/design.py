@@ -13,7 +13,7 @@ from trials.types import Trial, Value, with_setup
 
 COUNT, ANCHOR, REFINEMENTS, METHOD, WORLD = "herd.count", "world.anchor", "refinements", "method", "world"
 SOLITARY, FEW, MEMBERS = 1, 3, 7
-WALK: dict[str, Value] = {"iterations": 150}
+STEPS = 150
 """Of a herd in the T-junction: 15 m, where 8 m lead to the goal line, and 26 m by the end of the other arm."""
 GRID = "8, 4"
 """Of DIRT: 45 degrees by 1 m, which six refinements bring down to 0.7 degrees by 1.6 cm."""

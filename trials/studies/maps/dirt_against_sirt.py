@@ -27,7 +27,7 @@ KEY_MEASURES = ("configurations", "successful", "successful_share", "best_succes
 
 def base(repeat: int) -> Trial:
     """Seven members, anchor four, 200 random configurations."""
-    return design.base("dirt-against-sirt", repeat, "dirt", method="random", budget=200, **design.WALK)
+    return design.base("dirt-against-sirt", repeat, "dirt", method="random", budget=200, iterations=design.STEPS)
 
 
 def finish(trial: Trial) -> Trial:

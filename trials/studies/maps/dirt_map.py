@@ -32,7 +32,7 @@ KEY_MEASURES = ("configurations", "successful", "region_area", "region_density",
 
 def base(repeat: int) -> Trial:
     """Seven members and a wall at anchor four."""
-    return with_setup(design.base("dirt-map", repeat, "dirt", grid=design.GRID, **design.WALK), PUBLISHED_BOX)
+    return with_setup(design.base("dirt-map", repeat, "dirt", grid=design.GRID, iterations=design.STEPS), PUBLISHED_BOX)
 
 
 def cells(conditions: Mapping[str, Sequence[Any]]) -> list[dict[str, Value]]:
