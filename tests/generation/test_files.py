@@ -195,3 +195,11 @@ def test_a_file_that_is_none_is_refused(tmp_path: Path) -> None:
             files.read(tmp_path / name)
     with pytest.raises(InputError, match="expected a name that ends in"):
         sources.environment_text(str(tmp_path / "a.doc"))
+
+
+def test_the_example_of_the_documentation_is_an_environment() -> None:
+    page = (Path(files.__file__).parents[1] / "docs" / "environments.md").read_text(encoding="utf-8")
+    environment, told = files.from_json_mended(page.partition("```json")[2].partition("```")[0])
+    assert told == []
+    assert set(environment.markers) == {"start"}
+    assert len(environment.workspace) == 2
