@@ -20,6 +20,7 @@ from flocking.parameters import Parameter, declared, filled
 from flocking.taxonomy import USUAL_HERD, Herd
 from generation.environment import Environment
 from trials.rows import below
+from trials.simulations import judged
 from trials.simulations.kinematic import lattice_starts, links
 from trials.types import Group, Trial, Value
 from worlds import known, start_poses
@@ -108,6 +109,10 @@ class TrialFields(NamedTuple):
     measured_share: Annotated[
         float, Parameter("", "a choice: the last part of the trial over which measures are averaged", low=0.0, high=1.0)
     ] = 0.5
+    behaviour: Annotated[
+        str,
+        Parameter("", "a choice: what the trial is held against (docs/environments.md)", named=judged.names),
+    ] = judged.NONE
 
 
 class NameFields(NamedTuple):
@@ -431,6 +436,11 @@ def spacing_of(trial: Trial) -> float:
     """The spacing of a trial's formation, or of its law's herd where its poses come from a file, m."""
     given = formation_of(trial)
     return float(given.spacing_m if hasattr(given, "spacing_m") else own_herd(trial.groups[0]).spacing_m)
+
+
+def every_step(trial: Trial) -> bool:
+    """Whether all steps of a trial are measured, whichever of them are kept."""
+    return links_of(trial) is not None or of_trial(trial).behaviour != judged.NONE
 
 
 def links_of(trial: Trial) -> links.Parameters | None:

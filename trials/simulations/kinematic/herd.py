@@ -17,7 +17,7 @@ from flocking.kinematic.bands import check_linked, parsed_sets
 from flocking.lawentry import OF_MEMBERS
 from flocking.perception import Step
 from flocking.types import Bools, Floats, Ints
-from trials.simulations import spread
+from trials.simulations import judged, spread
 from trials.simulations.kinematic import fields, formations, lattice_starts
 from trials.streams import Purpose, stream
 from trials.types import Group, Trial
@@ -76,7 +76,7 @@ def check(trial: Trial) -> None:
     fields.formation_parameters(trial)
     given = fields.of_trial(trial)
     count = sum(group.count for group in trial.groups)
-    every = 1 if fields.links_of(trial) else given.every
+    every = 1 if fields.every_step(trial) else given.every
     if given.every > given.steps:
         raise InputError(
             f"steps = {given.steps}: expected at least every = {given.every}, after which the first moment is kept; "
@@ -104,6 +104,7 @@ def check(trial: Trial) -> None:
     if trial.formation in lattice_starts.NAMES:
         lattice_starts.check(space)
     fields.environment_of(trial)
+    judged.check(trial, given.behaviour)
 
 
 def check_start(trial: Trial) -> None:

@@ -13,7 +13,7 @@ from flocking.errors import InputError
 from flocking.parameters import filled
 from flocking.types import Floats
 from sensing.laser import hokuyo
-from trials.simulations import spread
+from trials.simulations import judged, spread
 from trials.simulations.robots import information
 from trials.simulations.robots.fields import (
     TOGETHER,
@@ -54,6 +54,7 @@ def check(trial: Trial) -> None:
         information.check(its)
         spread.check(trial, number, its.law_parameters._asdict())
     environment_of(trial)
+    judged.check(trial, given.behaviour)
 
 
 def check_start(trial: Trial) -> None:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from flocking import found
 from robots import body as bodies
+from trials.simulations import judged
 from trials.simulations.contract import Simulation
 from trials.simulations.robots import checks, fields, keys, worldfile
 from trials.simulations.robots.measures import ABOUT, HEADINGS, KEY_MEASURES
@@ -85,7 +86,7 @@ SIMULATION = Simulation(
     settled=keys.settled,
     run_trial=run_trial,
     record=record,
-    measures=ABOUT,
+    measures={**ABOUT, **judged.ABOUT},
     key_measures=KEY_MEASURES,
     limit_s=limit_s,
     moment=moment,
