@@ -90,13 +90,16 @@ def _line(group: Any, x0: float, y0: float, x1: float, y1: float) -> Any:
 
 
 def _arc(arc: Arc) -> str:
-    """A path of two halves, which no size of the turn makes ambiguous; counter-clockwise is against SVG's sweep."""
+    """A path of three thirds, none of which is half a circle or more: SVG gives the ends of an arc and no centre.
+
+    Counter-clockwise is against SVG's sweep.
+    """
     found = []
-    for share in (0.0, 0.5, 1.0):
-        angle = arc.start_rad + share * arc.turn_rad
+    for third in range(4):
+        angle = arc.start_rad + third / 3.0 * arc.turn_rad
         found.append(f"{_x(arc.x_m + arc.radius_m * math.cos(angle))},{_y(arc.y_m + arc.radius_m * math.sin(angle))}")
     flags = f"{_x(arc.radius_m)} {_x(arc.radius_m)} 0 0 0"
-    return f"M {found[0]} A {flags} {found[1]} A {flags} {found[2]}"
+    return f"M {found[0]}" + "".join(f" A {flags} {place}" for place in found[1:])
 
 
 def _points(given: Iterable[tuple[float, float]]) -> str:

@@ -21,11 +21,6 @@ FORMATS: dict[str, Reader] = {".svg": svg.read, ".dxf": dxf.read, ".yaml": ros_m
 """By the end of a file's name: a drawing or map, and the unit that it is given in place of its own."""
 
 
-def is_plan(path: str | os.PathLike[str]) -> bool:
-    """Whether a file's name ends as that of a plan."""
-    return Path(path).suffix.lower() in FORMATS
-
-
 def read(path: str | os.PathLike[str], unit: Unit | None = None) -> tuple[Environment, list[str]]:
     """The environment that a plan shows, and lines that tell how it was read, what was left out and what was mended.
 

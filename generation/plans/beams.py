@@ -16,8 +16,6 @@ from flocking.types import Bools, Floats, Ints
 
 COUNT = 4000
 """Of beams. A choice: the share within a cell is then known to some 0.2 percentage points."""
-SHARE = 0.995
-"""Share of beams that must be within a cell. A choice: so that it is 0.99 for other beams too."""
 _SEED = 20150501
 _AT_A_TIME = 2_000_000
 """Pairs of a beam and a wall that are held at a time."""

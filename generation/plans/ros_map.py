@@ -61,24 +61,16 @@ def read(path: Path, given: Unit | None) -> tuple[Environment, list[str]]:
     unknown = grid.occupied.size - np.count_nonzero(grid.occupied) - np.count_nonzero(grid.free)
     if not grid.occupied.any():
         raise InputError(f"{path}: no cell of {image} is occupied: expected walls; is negate right?")
-    traced = outlines.traced(grid.occupied, str(path))
-    error = None
-    for tolerance in outlines.TOLERANCES_CELLS:
-        walls = outlines.polygons(traced, tolerance, grid.in_world)
-        environment = Environment(walls)
-        error = beams.error(grid.occupied, grid.free, grid.cell_m, grid.pose_w, environment.walls())
-        if error is None or error.share >= beams.SHARE:
-            break
+    walls = outlines.polygons(grid.occupied, grid.in_world, str(path))
+    error = beams.error(grid.occupied, grid.free, grid.cell_m, grid.pose_w, Environment(walls).walls())
     rows, columns = grid.occupied.shape
     told = [
         f"{columns} x {rows} cells of {grid.cell_m:g} m: {np.count_nonzero(grid.occupied)} occupied, "
         f"{unknown} unknown, which are no walls",
-        f"outlines of cells, simplified within {tolerance:g} of a cell",
         beams.told(error, grid.cell_m),
     ]
     origin: dict[str, Any] = {
         "file": path.name, "format": "ros map", "image": image.name, "metres_per_unit": grid.cell_m,
-        "tolerance_cells": tolerance,
     }  # fmt: skip
     if error is not None:
         origin |= {"beams": error.count, "beams_within_a_cell": error.share, "beams_worst_m": error.worst_m}

@@ -128,7 +128,7 @@ def _along(piece: Any, sagitta: float) -> Iterator[Any]:
 
 
 def _place(place: Any, scale: float) -> tuple[float, float]:
-    return scale * float(place.x), -scale * float(place.y)
+    return scale * float(place.x), 0.0 - scale * float(place.y)
 
 
 def _round(arcs: list[Any], closed: bool, scale: float) -> Circle | Arc | None:
