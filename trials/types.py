@@ -240,3 +240,5 @@ class TrialResult:
     """Why it failed, one line; empty if done. A failed trial holds what was measured until then."""
     timing: Mapping[str, float]
     """Wall time by part, s: `build_s` and `loop_s`. Not part of the result: it differs from run to run."""
+    tables: Mapping[str, NDArray[Any]] = field(default_factory=dict)
+    """Arrays of a simulation whose trials are more than one herd's way, by name."""

@@ -25,7 +25,9 @@ FORMAT = 3
 HEAD = "result.json"
 """The entry of the zip file with the trial and everything that is no array."""
 
-_LEFT_OUT = ("scans", "timing")
+_LEFT_OUT = ("scans", "timing", "tables")
+TABLES = "tables."
+"""Before the names of a result's tables."""
 _PARTS = {"updates": Updates, "contacts": Contacts}
 _TEXTS = ("robot_names", "rules", "measures", "outcome", "reason", "period_m")
 _ARRAYS = tuple(
@@ -95,6 +97,7 @@ def unpack(data: bytes) -> TrialResult:
             reason=head["reason"],
             period_m=_number(head.get("period_m")),
             timing={},
+            tables={name.removeprefix(TABLES): array for name, array in arrays.items() if name.startswith(TABLES)},
         )
     except InputError:
         raise
@@ -146,6 +149,8 @@ def _arrays(result: TrialResult) -> Iterator[tuple[str, Any]]:
     for part, kind in _PARTS.items():
         for f in dataclasses.fields(kind):
             yield f"{part}.{f.name}", getattr(getattr(result, part), f.name)
+    for name, table in result.tables.items():
+        yield f"{TABLES}{name}", table
 
 
 def _add(archive: zipfile.ZipFile, name: str, data: bytes) -> None:

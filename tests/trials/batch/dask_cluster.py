@@ -12,9 +12,27 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+import psutil
+
 TESTS, HOME = Path(__file__).parents[1], Path(__file__).parents[3]
 DEADLINE_S = 120.0
 """Wall time after which a process that was started counts as broken: nothing is judged by it."""
+
+
+_ADAPTIVE = """
+import json, sys, time
+from distributed import LocalCluster
+
+if __name__ == "__main__":
+    made = LocalCluster(
+        n_workers=0, threads_per_worker=1, host="127.0.0.1", scheduler_port=0, dashboard_address="127.0.0.1:0"
+    )
+    made.adapt(minimum=0, maximum=int(sys.argv[2]), interval="100ms", wait_count=2)
+    with open(sys.argv[1], "w") as file:
+        json.dump({"address": made.scheduler_address}, file)
+    while True:
+        time.sleep(1.0)
+"""
 
 
 class Cluster:
@@ -41,6 +59,11 @@ class Cluster:
         self.workers.append(self._start(["-m", "dask", "worker", *options], home))
         return self.workers[-1]
 
+    def start_adaptive(self, most: int) -> None:
+        """A scheduler that starts and ends workers itself, by how much there is to do."""
+        self.scheduler = self._start(["-c", _ADAPTIVE, str(self.file), str(most)])
+        wait_for(lambda: self.file.exists() and self.file.stat().st_size > 0, self.scheduler)
+
     def wait_for_workers(self, count: int) -> None:
         from distributed import Client
 
@@ -57,6 +80,8 @@ class Cluster:
 
     def stop(self) -> None:
         for process in [*self.workers, *filter(None, [self.scheduler])]:
+            for child in psutil.Process(process.pid).children(recursive=True) if process.poll() is None else []:
+                child.kill()
             process.kill()
             process.wait()
 

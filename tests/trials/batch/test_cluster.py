@@ -7,8 +7,10 @@ import os
 import shutil
 import signal
 import socket
+import sqlite3
 import sys
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +18,7 @@ import pytest
 
 from flocking.errors import InputError
 from trials import batch as batches
-from trials.batch import cluster, machine
+from trials.batch import cluster, machine, running
 from trials.batch.batch import Summary, Work, run_batch
 from trials.batch.store import Row
 from trials.types import Trial
@@ -141,7 +143,9 @@ def test_the_scheduler_is_restarted(tmp_path: Path) -> None:
     assert table(tmp_path / "cluster") == table(tmp_path / "local")
 
 
-def test_an_experiment_has_the_series_and_rows_of_a_local_run(two: dask_cluster.Cluster, tmp_path: Path) -> None:
+def test_an_experiment_has_the_series_and_rows_of_a_local_run_also_when_it_is_resumed(
+    two: dask_cluster.Cluster, tmp_path: Path
+) -> None:
     how: dict[str, Any] = {"repeats": 1, "settings": {"steps": 2}, "record": "first"}
     batches.run("lch-table-4-1", tmp_path / "local", jobs=2, **how)
     batches.run("lch-table-4-1", tmp_path / "cluster", cluster=two.address, **how)
@@ -151,12 +155,32 @@ def test_an_experiment_has_the_series_and_rows_of_a_local_run(two: dask_cluster.
     series = [name for name in local if name.endswith(".npz")]  # a recording holds times of day
     assert len(series) == len(local) - 1
     assert [remote[name] for name in series] == [local[name] for name in series]
+    with closing(sqlite3.connect(tmp_path / "cluster" / "results.sqlite")) as kept, kept:
+        kept.execute("DELETE FROM trials WHERE idx > 3")
+    assert len(table(tmp_path / "cluster")) == 3
+    assert running.resume(tmp_path / "cluster", 1, lambda folder: "", cluster=two.address) == 0
+    assert table(tmp_path / "cluster") == table(tmp_path / "local")
+    assert [files(tmp_path / "cluster")[name] for name in series] == [local[name] for name in series]
+
+
+def test_a_cluster_that_grows_and_shrinks_by_itself(tmp_path: Path) -> None:
+    """It has no worker at the start, and two at the most."""
+    trials = [fake_trials.trial(k, seconds=0.2) for k in range(1, 13)]
+    batch(tmp_path / "local", trials)
+    made = dask_cluster.Cluster(tmp_path)
+    try:
+        made.start_adaptive(most=2)
+        summary = on_cluster(made.address, tmp_path / "cluster", trials)
+    finally:
+        made.stop()
+    assert len(summary.rows) == 12
+    assert table(tmp_path / "cluster") == table(tmp_path / "local")
 
 
 def test_workers_of_another_state_of_the_sources_are_refused(tmp_path: Path) -> None:
     other = tmp_path / "other"
-    for package in ("flocking", "sensing", "robots", "worlds", "trials"):
-        shutil.copytree(dask_cluster.HOME / package, other / package, ignore=shutil.ignore_patterns("__pycache__"))
+    for package in {path.parent for path in dask_cluster.HOME.glob("*/__init__.py")} - {dask_cluster.HOME / "scripts"}:
+        shutil.copytree(package, other / package.name, ignore=shutil.ignore_patterns("__pycache__"))
     with (other / "trials" / "rows.py").open("a") as file:
         file.write("# another state\n")
     made = dask_cluster.Cluster(tmp_path)

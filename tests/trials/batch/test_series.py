@@ -79,6 +79,15 @@ def test_the_side_of_a_periodic_world_comes_back(result: TrialResult, period_m: 
     np.testing.assert_equal(series.unpack(packed).period_m, period_m)
 
 
+def test_tables_come_back_by_their_names(result: TrialResult) -> None:
+    tables = {"fitness": np.array([0.5, np.nan]), "passed": np.array([True, False]), "none": np.empty((0, 4))}
+    back = series.unpack(series.pack(dataclasses.replace(result, tables=tables)))
+    assert list(back.tables) == list(tables)
+    for name, table in tables.items():
+        assert_equal(back.tables[name], table)
+    assert series.unpack(series.pack(result)).tables == {}
+
+
 def test_a_file_from_before_there_were_periods_has_none(result: TrialResult) -> None:
     data = io.BytesIO()
     with zipfile.ZipFile(io.BytesIO(series.pack(result))) as whole, zipfile.ZipFile(data, "w") as older:

@@ -131,6 +131,7 @@ def make_run(folder: Path) -> None:
         ([*RUN, "--repeats", "-3"], ["--repeats", "'-3'", "at least 1"]),
         ([*RUN, "--repeats", "2.5"], ["--repeats", "'2.5'", "whole number"]),
         ([*RUN, "--repeats", "1000000"], ["trials", "at most", "--repeats 1"]),
+        ([*RUN, "--until-decided", "--budget", "1000000"], ["trials", "at most", "--budget 1"]),
         ([*RUN, "--jobs", "0"], ["--jobs", "'0'", "at least 1"]),
         ([*RUN, "--seed", "abc"], ["--seed", "'abc'", "whole number"]),
         ([*RUN, "--seed", "-1"], ["--seed", "'-1'", "at least 0"]),

@@ -10,6 +10,7 @@ import signal
 import sqlite3
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -78,7 +79,7 @@ def test_a_killed_run_with_other_workers_comes_to_the_same(run: Path) -> None:
     )
     killed = run.parent / "killed"
     while not list(killed.glob("series/*.npz")) and process.poll() is None:
-        pass
+        time.sleep(0.02)
     process.send_signal(signal.SIGKILL)
     process.wait()
     again = herd("resume", "killed", "--jobs", "2", cwd=run.parent)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -21,6 +21,7 @@ from trials.simulations import spread
 from trials.simulations.kinematic import fields, formations, lattice_starts
 from trials.streams import Purpose, stream
 from trials.types import Group, Trial
+from worlds import starts
 
 BEARINGS_ALONE = frozenset({"bearings", "positions", "ids"})
 """What is known of neighbours where poses are not: a position then stands at the assumed distance."""
@@ -51,12 +52,19 @@ def assemble(trial: Trial) -> Herd:
     space = _space(trial)
     poses_w, speeds = _start(trial, space)
     centre = np.zeros(2) if space.kind == "unbounded" else np.full(2, space.size_m / 2.0)
+    if (environment := fields.environment_of(trial)) is not None:
+        centre = starts.put_at_start(environment, np.zeros((1, 3)))[0, :2]
     whole = [_band(trial, number, centre) for number in range(len(trial.groups))]
     kinds = [2 * g + (np.isfinite(_goals(band)).all(axis=1)) for g, band in enumerate(whole)]
-    bands = [part for band, group in zip(whole, trial.groups, strict=True) for part in _by_role(band, group)]
+    bands = _parts(whole, trial.groups)
     given = fields.of_trial(trial)
     graph = _graph(given.graph, len(poses_w)) if any(map(_selects_by_graph, bands)) else None
     return Herd(bands, space, poses_w, speeds, given, graph, np.concatenate(kinds))
+
+
+def bands_of(trial: Trial, centre: Floats) -> list[Band]:
+    """The bands of all groups of a trial; goals are given from `centre` (2,)."""
+    return _parts([_band(trial, number, centre) for number in range(len(trial.groups))], trial.groups)
 
 
 def check(trial: Trial) -> None:
@@ -95,6 +103,7 @@ def check(trial: Trial) -> None:
     space, _ = fields.space_of(trial), fields.world_of(trial)
     if trial.formation in lattice_starts.NAMES:
         lattice_starts.check(space)
+    fields.environment_of(trial)
 
 
 def check_start(trial: Trial) -> None:
@@ -102,11 +111,22 @@ def check_start(trial: Trial) -> None:
 
     Nothing is drawn where they do whatever is drawn.
     """
+    if (environment := fields.environment_of(trial)) is not None:
+        starts.check(members_of(trial), environment)
+        return
     if trial.formation in ("uniform", *lattice_starts.NAMES) or fields.space_of(trial) == "unbounded":
         return
     count = sum(group.count for group in trial.groups)
     if formations.widest_m(trial.formation, fields.formation_of(trial), count) > fields.world_of(trial).size_m:
         _start(trial, _space(trial))
+
+
+def members_of(trial: Trial) -> starts.Starting:
+    """The members of a trial at their start."""
+    poses_w, _ = _start(trial, _space(trial))
+    names = [f"{group.name}-{k + 1}" for group in trial.groups for k in range(group.count)]
+    radii = np.repeat([fields.of_group(group).radius_m for group in trial.groups], [g.count for g in trial.groups])
+    return starts.Starting(names, poses_w, radii, np.ones(len(names), np.bool_))
 
 
 def _check_law(group: Group) -> set[Step]:
@@ -130,7 +150,13 @@ def _check_law(group: Group) -> set[Step]:
 
 
 def _start(trial: Trial, space: Space) -> tuple[Floats, Floats]:
-    """Poses (N, 3) and speeds (N,) at the start."""
+    """Poses (N, 3) and speeds (N,) at the start: in an environment, about its start."""
+    poses_w, speeds = _drawn_start(trial, space)
+    environment = fields.environment_of(trial)
+    return (poses_w if environment is None else starts.put_at_start(environment, poses_w)), speeds
+
+
+def _drawn_start(trial: Trial, space: Space) -> tuple[Floats, Floats]:
     count = sum(group.count for group in trial.groups)
     rng = stream(trial.seed, trial.repeat, 0, 0, Purpose.START)
     given = fields.formation_of(trial)
@@ -143,6 +169,8 @@ def _start(trial: Trial, space: Space) -> tuple[Floats, Floats]:
 
 
 def _space(trial: Trial) -> Space:
+    if (environment := fields.environment_of(trial)) is not None:
+        return Space(walls=environment.walls())
     kind, given = fields.space_of(trial), fields.world_of(trial)
     if kind == "unbounded":
         return Space()
@@ -180,6 +208,11 @@ def _band(trial: Trial, number: int, centre: Floats) -> Band:
         obstacles=given.obstacles,
         avoidance=avoidance.Parameters(given.look_ahead_m, given.margin_m, given.virtual_range_m),
     )
+
+
+def _parts(bands: Sequence[Band], groups: Sequence[Group]) -> list[Band]:
+    """One band a group, or two where a group has leaders and others: the leaders come first."""
+    return [part for band, group in zip(bands, groups, strict=True) for part in _by_role(band, group)]
 
 
 def _by_role(band: Band, group: Group) -> list[Band]:
