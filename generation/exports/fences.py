@@ -28,6 +28,8 @@ _RELATIONS = "http://schemas.openxmlformats.org/package/2006/relationships"
 _MODEL = "3D/3dmodel.model"
 _STEP_M = 1e-6
 """To which corners are rounded, m, so that no sliver opens the solid. A choice."""
+_THICKER_M = (0.0, 1e-5, 3e-5, 1e-4)
+"""By how much fences are thicker, m, the first that will do: those that touch in a line are no solid. A choice."""
 _MITRE = 5.0
 """How far the point of a sharp corner may stand out, in half thicknesses; sharper ones are cut off. A choice."""
 
@@ -64,15 +66,19 @@ def solid(primitives: Iterable[Primitive], parameters: Parameters) -> Any:
             for chain in shapely.get_parts(chains)
         ]
     )
-    ground = shapely.set_precision(ground, _STEP_M)
-    meshes = [
-        trimesh.creation.extrude_polygon(polygon, parameters.height_m, engine="earcut")
-        for polygon in shapely.get_parts(ground)
-    ]
-    mesh = trimesh.util.concatenate(meshes)
-    if not mesh.is_watertight:
-        raise InputError("the fences make no closed solid: expected walls farther apart, or another thickness")
-    return mesh
+    for more in _THICKER_M:
+        wider = ground.buffer(more, join_style="mitre", mitre_limit=_MITRE) if more else ground
+        mesh = _extruded(shapely.set_precision(wider, _STEP_M), parameters.height_m)
+        if mesh.is_watertight:
+            return mesh
+    raise InputError("the fences make no closed solid: expected walls farther apart, or another thickness")
+
+
+def _extruded(ground: Any, height_m: float) -> Any:
+    polygons = [polygon for polygon in shapely.get_parts(ground) if polygon.area > 0.0]
+    return trimesh.util.concatenate(
+        [trimesh.creation.extrude_polygon(polygon, height_m, engine="earcut") for polygon in polygons]
+    )
 
 
 def to_stl(mesh: Any) -> bytes:

@@ -115,8 +115,8 @@ def _y(metres: float) -> str:
 
 
 def _text(millimetres: float) -> str:
-    """To a nanometre."""
-    found = f"{millimetres:.6f}".rstrip("0").rstrip(".")
+    """To a picometre, so that arcs keep their centres."""
+    found = f"{millimetres:.9f}".rstrip("0").rstrip(".")
     return "0" if found == "-0" else found
 
 

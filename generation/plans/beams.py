@@ -94,7 +94,10 @@ def cast_in_grid(occupied: Bools, starts: Floats, directions: Floats) -> tuple[F
 
 
 def cast_among(walls: Floats, starts: Floats, directions: Floats) -> Floats:
-    """(N,) length of beams from `starts` (N, 2), of length one in `directions`, to the nearest of walls (W, 4); or inf."""
+    """(N,) length of beams from `starts` (N, 2) to the nearest of walls (W, 4), or inf.
+
+    `directions` (N, 2) have length one.
+    """
     found = np.full(len(starts), math.inf)
     along_x, along_y = walls[:, 2] - walls[:, 0], walls[:, 3] - walls[:, 1]
     at_a_time = max(1, _AT_A_TIME // max(1, len(walls)))

@@ -8,12 +8,12 @@ space on both sides.
 from __future__ import annotations
 
 import io
+import itertools
 import math
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
-import ezdxf
 from ezdxf import recover
 
 from flocking.errors import InputError
@@ -55,10 +55,15 @@ def read(path: Path, given: Unit | None) -> tuple[Environment, list[str]]:
         raise InputError(f"{path} cannot be drawn: {type(error).__name__}, {error}") from None
     if not walls:
         nothing = ", ".join(count.told())
-        raise InputError(f"{path}: nothing is drawn in it{f' ({nothing})' if nothing else ''}: expected lines or curves")
-    return Environment(
-        tuple(walls), origin={"file": path.name, "format": "dxf", "metres_per_unit": unit.metres}
-    ), [told, CURVES_TOLD, *repaired, *count.told()]
+        raise InputError(
+            f"{path}: nothing is drawn in it{f' ({nothing})' if nothing else ''}: expected lines or curves"
+        )
+    return Environment(tuple(walls), origin={"file": path.name, "format": "dxf", "metres_per_unit": unit.metres}), [
+        told,
+        CURVES_TOLD,
+        *repaired,
+        *count.told(),
+    ]
 
 
 def _parsed(path: Path, data: bytes) -> tuple[Any, list[str]]:
@@ -94,7 +99,9 @@ def _flat(entities: Iterable[Any], hidden: set[str], count: Count, depth: int) -
             if depth == _DEEPEST:
                 raise InputError(f"{count.where}: block {entity.dxf.name!r} holds itself, or is nested too deep")
             if entity.mcount > MOST_PIECES:
-                raise InputError(f"{count.where}: block {entity.dxf.name!r} is put {entity.mcount} times: expected fewer")
+                raise InputError(
+                    f"{count.where}: block {entity.dxf.name!r} is put {entity.mcount} times: expected fewer"
+                )
             for copy in entity.multi_insert() if entity.mcount > 1 else (entity,):
                 count.add(1)
                 yield from _flat(copy.virtual_entities(), hidden, count, depth + 1)
@@ -115,7 +122,9 @@ def _primitive(entity: Any, scale: float) -> Primitive | None:
         return fence([_place(entity.dxf.start, scale), _place(entity.dxf.end, scale)], closed=False)
     if kind in ("LWPOLYLINE", "POLYLINE"):
         closed = bool(entity.closed if kind == "LWPOLYLINE" else entity.is_closed)
-        return fence(_along(entity.virtual_entities(), sagitta, scale), closed, is_polyline=True)
+        corners = entity.vertices_in_wcs() if kind == "LWPOLYLINE" else entity.points_in_wcs()
+        start = [_place(place, scale) for place in itertools.islice(corners, 1)]
+        return fence(_along(start, entity.virtual_entities(), sagitta, scale), closed, is_polyline=True)
     if kind in ("CIRCLE", "ARC") and entity.dxf.extrusion.isclose((0.0, 0.0, 1.0)):
         x, y = _place(entity.dxf.center, scale)
         radius = scale * abs(entity.dxf.radius)
@@ -137,15 +146,15 @@ def _cut(entity: Any, sagitta: float) -> list[Any]:
     return list(entity.flattening(sagitta, segments=8))
 
 
-def _along(pieces: Iterable[Any], sagitta: float, scale: float) -> list[Place]:
-    """The places along a chain of lines and arcs, of which any may run backwards."""
-    found: list[Place] = []
+def _along(start: list[Place], pieces: Iterable[Any], sagitta: float, scale: float) -> list[Place]:
+    """The places from a start along a chain of lines and arcs, of which any may be given backwards."""
+    found = start
     for piece in pieces:
         cut = [piece.dxf.start, piece.dxf.end] if piece.dxftype() == "LINE" else _cut(piece, sagitta)
         places = [_place(place, scale) for place in cut]
-        if found and math.dist(found[-1], places[-1]) < math.dist(found[-1], places[0]):
+        if math.dist(found[-1], places[-1]) < math.dist(found[-1], places[0]):
             places.reverse()
-        found += places if not found else places[1:]
+        found += places[1:]
     return found
 
 

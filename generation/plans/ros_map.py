@@ -109,7 +109,7 @@ def _grid(path: Path) -> tuple[Path, Grid]:
 
 def _values(path: Path) -> dict[str, Any]:
     data = contents(path, "a ROS map's YAML")
-    if len(data) > 1_000_000 or b"&" in data and b"*" in data:  # aliases of aliases grow without end
+    if len(data) > 1_000_000 or (b"&" in data and b"*" in data):  # aliases of aliases grow without end
         raise InputError(f"{path} is no ROS map's YAML: it is too large, or has aliases")
     try:
         values = yaml.safe_load(data)

@@ -26,8 +26,11 @@ from generation.plans.units import Unit, chosen
 from generation.primitives import BOTH, SAGITTA_M, Arc, Circle, Point, Polygon, Polyline, Primitive, Segment
 
 PARTS = ("workspace", "construct", "markers")
-_SAME = 1e-7
-"""Relative difference within which radii and centres of arcs are the same. A choice: drawings have some eight digits."""
+_SAME = 1e-6
+"""Relative difference within which radii and centres of arcs are the same. A choice: drawings have eight digits."""
+
+_NO_LENGTH = 1e-9
+"""Relative length of what only rounding has drawn, as the end of a circle of arcs. A choice."""
 
 
 def read(path: Path, given: Unit | None) -> tuple[Environment, list[str]]:
@@ -55,7 +58,9 @@ def read(path: Path, given: Unit | None) -> tuple[Environment, list[str]]:
         markers[name] = _mark(made[0], element)
     if not (parts["workspace"] or parts["construct"] or markers):
         nothing = ", ".join(count.told())
-        raise InputError(f"{path}: nothing is drawn in it{f' ({nothing})' if nothing else ''}: expected lines or shapes")
+        raise InputError(
+            f"{path}: nothing is drawn in it{f' ({nothing})' if nothing else ''}: expected lines or shapes"
+        )
     return Environment(
         tuple(parts["workspace"]),
         tuple(parts["construct"]),
@@ -104,8 +109,12 @@ def _primitives(element: Any, scale: float, count: Count) -> Iterator[Primitive]
 
 
 def _is_no_length(piece: Any) -> bool:
-    straight = isinstance(piece, svgelements.Line | svgelements.Close)
-    return straight and (piece.end is None or piece.start is None or piece.start == piece.end)
+    if not isinstance(piece, svgelements.Line | svgelements.Close):
+        return False
+    if piece.start is None or piece.end is None:
+        return True
+    start, end = complex(piece.start), complex(piece.end)
+    return abs(end - start) <= _NO_LENGTH * max(abs(start), 1.0)
 
 
 def _is_round(piece: Any) -> bool:
@@ -117,7 +126,9 @@ def _along(piece: Any, sagitta: float) -> Iterator[Any]:
     if isinstance(piece, svgelements.Arc):
         number = pieces_of_arc(max(abs(piece.rx), abs(piece.ry)), piece.sweep, sagitta)
     elif isinstance(piece, svgelements.CubicBezier):
-        number = pieces_of_bezier([complex(p) for p in (piece.start, piece.control1, piece.control2, piece.end)], sagitta)
+        number = pieces_of_bezier(
+            [complex(p) for p in (piece.start, piece.control1, piece.control2, piece.end)], sagitta
+        )
     elif isinstance(piece, svgelements.QuadraticBezier):
         number = pieces_of_bezier([complex(p) for p in (piece.start, piece.control, piece.end)], sagitta)
     else:

@@ -25,6 +25,9 @@ _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?"
 _LENGTH = re.compile(rf"\s*({_NUMBER})\s*(%|[a-zA-Z]*)\s*")
 _POINTS = re.compile(rf"(?:[,\s]|{_NUMBER})*")
 _PATH = re.compile(rf"(?:[MmZzLlHhVvCcSsQqTtAa,\s]|{_NUMBER})*")
+_TRANSFORM = re.compile(rf"(?:[,\s]|(?:matrix|translate|scale|rotate|skewX|skewY)\s*\((?:[,\s]|{_NUMBER})*\))*")
+_CURVED = re.compile("[CcSsQqTtAa]")
+_OF_CSS = ("mm", "cm", "in", "pt", "pc", "px")
 _DEEPEST, _MOST_USES = 300, 64
 """How deep elements may lie, and how many uses within uses. Choices."""
 
@@ -47,9 +50,15 @@ def checked(data: bytes, path: Path) -> Text:
             if parent is not None:
                 _take_out(parent, element)
     _check_uses(root, path)
+    pieces = 0
     for element in root.iter():
+        given = element.get("transform")
+        if given is not None and _TRANSFORM.fullmatch(given) is None:
+            raise InputError(f"{path}: transform = {given[:60]!r}: expected as in translate(3, 4) rotate(90)")
         if _name(element) in SHAPES:
-            _check_numbers(element, path)
+            pieces += _least_pieces(element, path)
+    if pieces > MOST_PIECES:
+        raise InputError(f"{path} has more than {MOST_PIECES} straight pieces of wall: expected fewer")
     return Text(root, _size_in_user_units(root, path))
 
 
@@ -99,7 +108,7 @@ def _check_uses(root: Any, path: Path) -> None:
         if element in sizes:
             return sizes[element]
         if depth > _DEEPEST or element in within or len(within) > _MOST_USES:
-            raise InputError(f"{path}: <use> of {element.get('id')!r} holds itself, or is nested too deep")
+            raise InputError(f"{path}: <{_name(element)}> {element.get('id') or ''} is used within itself, or too deep")
         found = 1 + sum(size(child, depth + 1, within) for child in element if isinstance(child.tag, str))
         if _name(element) == "use":
             link = element.get("href") or element.get("{http://www.w3.org/1999/xlink}href") or ""
@@ -114,9 +123,9 @@ def _check_uses(root: Any, path: Path) -> None:
         raise InputError(f"{path} draws more than {MOST_PIECES} elements: expected fewer")
 
 
-def _check_numbers(element: Any, path: Path) -> None:
-    """Refuses a shape whose numbers are none."""
-    name = _name(element)
+def _least_pieces(element: Any, path: Path) -> int:
+    """The fewest straight pieces that a shape can have. Refuses one whose numbers are none."""
+    name, pieces = _name(element), 0
     for key in _LENGTHS:
         given = element.get(key)
         if given is not None and given.strip() != "auto" and _length(given) is None:
@@ -129,14 +138,17 @@ def _check_numbers(element: Any, path: Path) -> None:
         end = sound.end() if sound else 0
         if end < len(given):
             raise InputError(f"{path}: <{name}> has {key} with {given[end : end + 40]!r}: expected numbers")
-        if key == "points" and len(re.findall(_NUMBER, given)) % 2:
+        numbers = len(re.findall(_NUMBER, given))
+        pieces += numbers // (7 if _CURVED.search(given) else 2)
+        if key == "points" and numbers % 2:
             raise InputError(f"{path}: <{name}> has an odd number of coordinates: expected x and y of each point")
+    return pieces
 
 
 def _length(text: str) -> tuple[float, str] | None:
     """A number and its unit, of a length."""
     found = _LENGTH.fullmatch(text)
-    if found is None or found[2] not in ("", "%", "em", "ex", "rem", "q", "Q", *METRES):
+    if found is None or found[2] not in ("", "%", *_OF_CSS):
         return None
     return float(found[1]), found[2]
 
@@ -163,7 +175,7 @@ def _size_in_user_units(root: Any, path: Path) -> Unit | None:
 
 
 def _is_physical(length: tuple[float, str]) -> bool:
-    return length[1] in METRES and length[1] not in ("", "px") and length[0] > 0.0
+    return length[1] in _OF_CSS and length[1] != "px" and length[0] > 0.0
 
 
 def _view_box(root: Any, path: Path) -> tuple[float, float] | None:

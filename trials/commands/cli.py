@@ -65,9 +65,7 @@ Pipeline = Annotated[str | None, Option(help="Another member detection.")]
 Body = Annotated[str | None, Option(help="Another robot: its name or the path of your own folder.")]
 World = Annotated[
     str | None,
-    Option(
-        metavar="WORLD", help="Another world: its name, or the path of an environment, a plan or your own file."
-    ),
+    Option(metavar="WORLD", help="Another world: its name, or the path of an environment, a plan or your own file."),
 ]
 Settings = Annotated[
     list[str] | None, Option("--set", metavar="KEY=VALUE", help="Sets a parameter; VALUE is TOML. May be repeated.")

@@ -65,7 +65,9 @@ def export(
     options = {name: value for name, value in given.items() if value is not None}
     kind = out.suffix.lower()
     if options and kind not in (".stl", ".3mf"):
-        raise InputError(f"--{next(iter(options)).replace('_', '-')} is of fences to build: expected --out FILE.stl or .3mf")
+        raise InputError(
+            f"--{next(iter(options)).replace('_', '-')} is of fences to build: expected --out FILE.stl or .3mf"
+        )
     read = files.from_json(sources.environment_text(str(environment)), str(environment))
     _print_some(sources.told(str(environment)))
     if kind == ".svg":
