@@ -78,9 +78,9 @@ class TrialFields(NamedTuple):
             "", "Fine 2015, section 2.3.1: an obstacle-free corridor", published=True, named=world_names, paths=True
         ),
     ] = "corridor"
-    formation: Annotated[str, Parameter("", "Fine 2015, figure 2.5, drawn without numbers", named=formation_names)] = (
-        "single-group"
-    )
+    formation: Annotated[
+        str, Parameter("", "Fine 2015, figure 2.5, drawn without numbers", named=formation_names, paths=True)
+    ] = "single-group"
 
 
 class GroupFields(NamedTuple):

@@ -11,7 +11,7 @@ from trials.simulations.contract import Simulation
 from trials.simulations.robots import checks, fields, keys, worldfile
 from trials.simulations.robots.measures import ABOUT, HEADINGS, KEY_MEASURES
 from trials.types import Trial, TrialResult, with_setup
-from worlds import formations, known
+from worlds import formations, known, start_poses
 
 MOMENT_S = 1.0
 """Simulated time in which every robot senses and acts a few times."""
@@ -75,7 +75,8 @@ def listed(kind: str) -> Mapping[str, object]:
     if kind == "worlds":
         modules = {name: found.load(known.PACKAGE, name, "world") for name in fields.world_names()}
         return {**modules, "FILE": known.OfFile}
-    return {f"robots: {name}": formation.place for name, formation in formations.FORMATIONS.items()}
+    places: dict[str, object] = {f"robots: {name}": each.place for name, each in formations.FORMATIONS.items()}
+    return {**places, "FILE": start_poses.Parameters}
 
 
 SIMULATION = Simulation(
