@@ -24,8 +24,8 @@ _AT_A_TIME = 2_000_000
 class Error(NamedTuple):
     """How far beams in the world end from where they end in the grid."""
 
-    count: int
-    """Of beams."""
+    beams: int
+    """How many were cast."""
     share: float
     """Of beams that are at most one cell off."""
     worst_m: float
@@ -60,7 +60,7 @@ def told(error: Error | None, cell_m: float) -> str:
     if error is None:
         return "no cell is free, so that no beams were cast"
     return (
-        f"{error.count} beams against the map: {100.0 * error.share:.2f} % at most one cell ({cell_m:g} m) off, "
+        f"{error.beams} beams against the map: {100.0 * error.share:.2f} % at most one cell ({cell_m:g} m) off, "
         f"the worst {error.worst_m:.3g} m"
     )
 

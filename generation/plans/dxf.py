@@ -132,9 +132,9 @@ def _primitive(entity: Any, scale: float) -> Primitive | None:
             return None
         if kind == "CIRCLE":
             return Circle(x, y, radius, BOTH)
-        start = math.radians(entity.dxf.start_angle) % (2.0 * math.pi)
-        turn = (math.radians(entity.dxf.end_angle) - start) % (2.0 * math.pi)
-        return Arc(x, y, radius, start, turn) if turn > 0.0 else Circle(x, y, radius, BOTH)
+        begin = math.radians(entity.dxf.start_angle) % (2.0 * math.pi)
+        turn = (math.radians(entity.dxf.end_angle) - begin) % (2.0 * math.pi)
+        return Arc(x, y, radius, begin, turn) if turn > 0.0 else Circle(x, y, radius, BOTH)
     places = [_place(place, scale) for place in _cut(entity, sagitta)]
     return fence(places, kind == "CIRCLE" or (kind == "SPLINE" and bool(entity.closed)), is_polyline=True)
 

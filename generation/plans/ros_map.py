@@ -73,7 +73,7 @@ def read(path: Path, given: Unit | None) -> tuple[Environment, list[str]]:
         "file": path.name, "format": "ros map", "image": image.name, "metres_per_unit": grid.cell_m,
     }  # fmt: skip
     if error is not None:
-        origin |= {"beams": error.count, "beams_within_a_cell": error.share, "beams_worst_m": error.worst_m}
+        origin |= {"beams": error.beams, "beams_within_a_cell": error.share, "beams_worst_m": error.worst_m}
     return Environment(walls, origin=origin), told
 
 

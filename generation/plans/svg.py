@@ -95,7 +95,9 @@ def _primitives(element: Any, scale: float, count: Count) -> Iterator[Primitive]
         curves = [piece for piece in subpath if not isinstance(piece, svgelements.Move)]
         closed = any(isinstance(piece, svgelements.Close) for piece in curves)
         curves = [piece for piece in curves if not _is_no_length(piece)]
-        made = _round(curves, closed, scale) if curves and all(_is_round(piece) for piece in curves) else None
+        made: Primitive | None = None
+        if curves and all(_is_round(piece) for piece in curves):
+            made = _round(curves, closed, scale)
         if made is None:
             places = [_place(curves[0].start, scale)] if curves else []
             for piece in curves:
