@@ -87,24 +87,28 @@ def check(trial: Trial) -> None:
             f"{count} members at {given.steps // every + 1} moments: expected at most {MOST_KEPT} positions "
             f"to keep, as with --set every={math.ceil(count * given.steps / MOST_KEPT)}"
         )
-    for number, group in enumerate(trial.groups):
-        if group.pipeline not in fields.DETECTIONS:
-            raise unknown_name("pipeline", group.pipeline, fields.DETECTIONS)
-        own = fields.of_group(group)
-        obstacle_selection.parse(own.obstacle_selection)
-        if own.leaders > group.count:
-            raise InputError(
-                f"{group.name}.leaders = {own.leaders}: expected at most the {group.count} members there are"
-            )
-        if _check_law(group) & {Step.GRAPH, Step.VORONOI}:
-            check_linked(count)
-        spread.check(trial, number, group.law_parameters)
+    for number in range(len(trial.groups)):
+        check_group(trial, number)
     fields.formation_of(trial)
     space, _ = fields.space_of(trial), fields.world_of(trial)
     if trial.formation in lattice_starts.NAMES:
         lattice_starts.check(space)
     fields.environment_of(trial)
     judged.check(trial, given.behaviour)
+
+
+def check_group(trial: Trial, number: int) -> None:
+    """Refuses the group of that number where its names and numbers do not fit one another: `InputError`."""
+    group = trial.groups[number]
+    if group.pipeline not in fields.DETECTIONS:
+        raise unknown_name("pipeline", group.pipeline, fields.DETECTIONS)
+    own = fields.of_group(group)
+    obstacle_selection.parse(own.obstacle_selection)
+    if own.leaders > group.count:
+        raise InputError(f"{group.name}.leaders = {own.leaders}: expected at most the {group.count} members there are")
+    if _check_law(group) & {Step.GRAPH, Step.VORONOI}:
+        check_linked(sum(each.count for each in trial.groups))
+    spread.check(trial, number, group.law_parameters)
 
 
 def check_start(trial: Trial) -> None:
