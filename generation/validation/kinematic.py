@@ -51,8 +51,8 @@ class Members:
     margin_m: float = math.nan
     """Likewise; nan = `MARGIN_STEPS` at the speed, and the radius."""
     sight_m: float = math.nan
-    """Range within which walls are seen; nan = as far as the shared avoidance looks, and without limit where the law, or
-    virtual members, see them."""
+    """Range within which walls are seen; nan = as far as the shared avoidance looks, and without limit where the law,
+    or virtual members, see them."""
     law_source: str = ""
     """Text of the user's own law file."""
 

@@ -42,9 +42,9 @@ _SPEEDS = ("speed_m_s", "step_m")
 """The parameter by which a law knows its speed: in iterations of one second a step is one as well."""
 
 
-def herd(count: int = MEMBERS, law: str = LAWS[0], **setup: Value) -> Group:
+def herd(count: int = MEMBERS, law: str = LAWS[0]) -> Group:
     """Members that keep away from walls."""
-    return group(law, count, obstacles="avoid", **setup)
+    return group(law, count, obstacles="avoid")
 
 
 def base(experiment: str, repeat: int, count: int = MEMBERS) -> Trial:
