@@ -33,8 +33,15 @@ def names() -> list[str]:
     return [NONE, *behaviours.names()]
 
 
-def sections(trial: Trial, name: str) -> list[Section]:
+def name_of(trial: Trial) -> str:
+    """The name of the behaviour in a trial's setup, as it stands there; none where it is no text."""
+    given = trial.setup.get(BEHAVIOUR.rstrip("."), NONE)
+    return given if isinstance(given, str) else NONE
+
+
+def sections(trial: Trial) -> list[Section]:
     """The parameters of the trial's behaviour, if it has one."""
+    name = name_of(trial)
     if name == NONE:
         return []
     behaviour = behaviours.load(name)

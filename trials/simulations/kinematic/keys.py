@@ -26,7 +26,7 @@ def keys_of(trial: Trial, group: Group | None = None) -> list[Section]:
             _open("world.", world, lambda: fields.world_of(trial)._asdict(), first, trial.world_parameters),
             _open("formation.", formation, lambda: fields.formation_of(trial)._asdict(), first, at_start),
             section(fields.LINKS, links.Parameters, lambda: _links_shown(trial)),
-            *judged.sections(trial, fields.of_trial(trial).behaviour),
+            *judged.sections(trial),
         ]
     law = lawentry.module_of(group.law, group.law_source)
     return [

@@ -55,11 +55,11 @@ def _of_trial(trial: Trial) -> dict[str, Any]:
 
 def _judged(trial: Trial) -> list[Section]:
     """The sections of the behaviour that a trial is held against, if there is one."""
-    name = fields.of_trial(trial).behaviour
-    if name == judged.NONE:
+    own = judged.sections(trial)
+    if not own:
         return []
     timing = section(judged.BEHAVIOUR, fields.JudgedFields, lambda: {"iteration_s": fields.iteration_s(trial)})
-    return [timing, *judged.sections(trial, name)]
+    return [timing, *own]
 
 
 def _of_group(its: Resolved) -> dict[str, Any]:
