@@ -86,6 +86,13 @@ def cells(conditions: Mapping[str, Sequence[Any]], presets: Sequence[Preset] = P
     return found
 
 
+def with_bodies(trial: Trial, preset: Preset) -> Trial:
+    """The trial with the preset's speed and turn limit in all its groups, where they have none."""
+    own: dict[str, Value] = {"cruise_m_s": preset.speed_m_s, "max_turn_rate_rad_s": preset.turn_rad_s}
+    groups = tuple(dataclasses.replace(group, setup={**own, **group.setup}) for group in trial.groups)
+    return dataclasses.replace(trial, groups=groups)
+
+
 def finish(trial: Trial) -> Trial:
     """The law's own speed, and how far walls are avoided, go with the speed of its members' bodies.
 
