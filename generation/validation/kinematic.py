@@ -51,8 +51,8 @@ class Members:
     margin_m: float = math.nan
     """Likewise; nan = `MARGIN_STEPS` at the speed, and the radius."""
     sight_m: float = math.nan
-    """Range within which walls are seen; nan = as far as the shared avoidance looks, and without limit where the law,
-    or virtual members, see them."""
+    """Range within which walls are seen; nan = as far as the shared avoidance looks, and without limit where the law
+    or virtual members see them."""
     law_source: str = ""
     """Text of the user's own law file."""
 
@@ -103,7 +103,11 @@ class KinematicGroup:
     @cached_property
     def bands(self) -> list[Band]:
         """Its bands, compiled. Raises `InputError`."""
-        return [each.band(self.dt_s) for each in self.members]
+        made = [each.band(self.dt_s) for each in self.members]
+        for band in made:  # refused before anything is simulated
+            band.stages()
+            band.rows()
+        return made
 
     def trajectories(self, jobs: Sequence[Job], iterations: int) -> Iterator[Floats]:
         """For each job, in their order, the positions (iterations + 1, N, 2) of its members, m, from the start on.
