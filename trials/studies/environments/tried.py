@@ -13,7 +13,9 @@ from typing import Any
 
 from flocking.parameters import filled
 from generation import filters, found
+from generation.environment import START as START_MARKER
 from generation.files import to_json
+from generation.primitives import Point
 from trials.environments.robots import SCALE
 from trials.simulations.kinematic import fields as of_members
 from trials.simulations.robots import fields as of_robots
@@ -34,23 +36,33 @@ ITERATIONS = {"simple-split": 200, "corralling": 500}
 ITERATION_S = 0.4
 FILE = "environment.json"
 """Path that a trial's world is named by; its text travels with the trial."""
-START = {"gap_m": 0.45, "length_m": 3.0, "half_width_m": 1.0}
-"""Four Creates over a square of 2 m, the 40 units of `design.LARGE`."""
+START = {"gap_m": 0.5, "length_m": 1.6, "half_width_m": 0.5}
+"""m; of Creates. A choice: four find room in it, and it is as large as the square of `START_UNITS`."""
+START_UNITS = 25.0
+"""Side of the square in which kinematic members start. A choice: robots have no room in one of 40 units among walls."""
+ROOM_UNITS = 24.0
+"""Radius about the start in which no wall stands: a Create's farthest place at the start, and its radius."""
 KEYS = (BEHAVIOUR, LAW)
 CONDITIONS = {BEHAVIOUR: BEHAVIOURS, LAW: LAWS}
 
 
 @cache
 def environment(behaviour: str, number: int) -> str:
-    """The JSON of the environment of that number (from 1) among those of a behaviour that pass."""
+    """The JSON of the environment of that number (from 1) among those of a behaviour that pass its filter.
+
+    Those in which the herd has no room at its start are passed over.
+    """
     schema = found.load(design.OF_BEHAVIOURS[behaviour])
     chosen = filters.load(schema.filter)
     of_schema, of_filter = filled(schema.parameters, {}), filled(chosen.parameters, {})
+    room = filters.load("passage")
+    of_room = room.filled({"start_m": ROOM_UNITS, "width_m": 0.0})
     passed, tried = 0, 0
     while True:
         whole = schema.generate(of_schema, schema.workspace(), stream(1, 1, 0, tried, Purpose.WORLD))
+        whole = dataclasses.replace(whole, markers={START_MARKER: Point(), **whole.markers})
         tried += 1
-        passed += chosen.accepts(whole, of_filter)
+        passed += chosen.accepts(whole, of_filter) and room.accepts(whole, of_room)
         if passed == number:
             return to_json(whole)
 
@@ -86,7 +98,7 @@ def members(trial: Trial, number: int) -> Trial:
     behaviour = _behaviour(trial)
     preset = design.LARGE
     start: dict[str, Value] = {
-        "spacing_m": preset.size_m / COUNTS[behaviour] ** 0.5, **trial.formation_parameters
+        "spacing_m": START_UNITS / COUNTS[behaviour] ** 0.5, **trial.formation_parameters
     }  # fmt: skip
     placed = _placed(trial, number, {})
     placed = dataclasses.replace(placed, formation_parameters=start, groups=_counted(trial, behaviour))
