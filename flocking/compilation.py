@@ -20,7 +20,7 @@ from typing import Any
 
 from flocking.errors import InputError
 
-PACKAGES = ("flocking", "robots", "sensing")
+PACKAGES = ("flocking", "generation", "robots", "sensing")
 """Packages that may hold compiled code: a test sees to it that no other does."""
 LAWS = "flocking/laws"
 CACHE_VARIABLE = "CREATE_HERD_CACHE"

@@ -1,0 +1,1 @@
+"""Shape grammars of two-dimensional lines, after Stiny 1980: `Introduction to shape and shape grammars`."""
