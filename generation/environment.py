@@ -37,7 +37,7 @@ START = "start"
 
 @dataclass(frozen=True)
 class Environment:
-    """Walls that steer a herd. Checked by `generation.files.checked`, where they come from outside."""
+    """Walls that steer a herd. Checked by `generation.checking.checked` where they come from outside."""
 
     workspace: tuple[Primitive, ...] = ()
     """What stands there already."""
