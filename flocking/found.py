@@ -21,6 +21,8 @@ from flocking import users_files
 from flocking.errors import InputError, unknown_name
 
 Returned = TypeVar("Returned")
+SUFFIXES = (".py", ".json", ".svg", ".dxf", ".yaml", ".yml", ".csv")
+"""Of the names that mean files of a user's own: Python, environments and plans, starting poses."""
 
 
 def modules(package: str) -> dict[str, str]:
@@ -44,6 +46,12 @@ def folders(package: str, file: str) -> dict[str, str]:
     return {name: f"{module}.{file}" for name, module in modules(package).items() if file in modules(module)}
 
 
+def holding(package: str, names: Iterable[str]) -> dict[str, str]:
+    """Names (with hyphens) of the modules of a package that define all of `names`, without running any."""
+    wanted = set(names)
+    return {name: module for name, module in modules(package).items() if wanted <= _defined(module)}
+
+
 def defining(package: str, names: Iterable[str]) -> dict[str, str]:
     """Names (with hyphens) of the modules in the folders of a package that define all of `names`, without running any.
 
@@ -51,9 +59,8 @@ def defining(package: str, names: Iterable[str]) -> dict[str, str]:
     """
     wanted, found = set(names), dict[str, str]()
     for folder in sorted(modules(package).values()):
-        for name, module in modules(folder).items():
-            if wanted <= _defined(module):
-                found.setdefault(name, module)
+        for name, module in holding(folder, wanted).items():
+            found.setdefault(name, module)
     return found
 
 
@@ -82,7 +89,7 @@ def _defined(module: str) -> frozenset[str]:
 
 def is_path(name: str) -> bool:
     """Whether a name means a file, or a folder, of the user's own."""
-    return name.endswith(".py") or os.sep in name
+    return name.lower().endswith(SUFFIXES) or os.sep in name
 
 
 def read(path: str, kind: str) -> str:

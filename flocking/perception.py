@@ -59,6 +59,24 @@ def keep_within(positions: Floats, low_m: float, high_m: float, mask: Bools) -> 
         mask[j] &= (low_m <= d) & (d < high_m)
 
 
+@compiled
+def keep_between(positions: Floats, least: float, below: float, mask: Bools) -> None:
+    """DistanceBased() by squared distances in [least, below), as `squared_bound` makes them: no root is taken."""
+    for j in range(len(mask)):
+        squared = positions[j, 0] * positions[j, 0] + positions[j, 1] * positions[j, 1]
+        mask[j] &= (least <= squared) & (squared < below)
+
+
+def squared_bound(bound_m: float) -> float:
+    """The least number whose rounded root is at least `bound_m`: squares below it are of distances below the bound."""
+    squared = bound_m * bound_m
+    while math.sqrt(squared) < bound_m:
+        squared = math.nextafter(squared, math.inf)
+    while squared > 0.0 and math.sqrt(math.nextafter(squared, 0.0)) >= bound_m:
+        squared = math.nextafter(squared, 0.0)
+    return squared
+
+
 @allocating
 def keep_nearest(positions: Floats, k: int, mask: Bools) -> None:
     """k-Nearest(): the k nearest members; of equally near ones the one with the smaller position first."""

@@ -18,7 +18,7 @@ from flocking.errors import InputError
 from flocking.parameters import checked as checked_number
 from flocking.parameters import declared
 from generation.environment import Environment, Mark
-from generation.free_space import clearance
+from generation.free_space import clearance, in_solid
 from generation.primitives import (
     BOTH,
     KINDS,
@@ -192,11 +192,12 @@ def _check_markers(environment: Environment, start: str) -> None:
     points = {name: mark for name, mark in environment.markers.items() if isinstance(mark, Point)}
     if not points:
         return
-    inside = clearance(environment.faces(), np.array([[mark.x_m, mark.y_m] for mark in points.values()]))
-    for (name, mark), clear in zip(points.items(), inside, strict=True):
-        if clear < -DEEPEST_M:
+    places = np.array([[mark.x_m, mark.y_m] for mark in points.values()])
+    clear, solid = clearance(environment.faces(), places), in_solid(environment, places)
+    for (name, mark), room, inside in zip(points.items(), clear, solid, strict=True):
+        if room < -DEEPEST_M or (inside and room > DEEPEST_M):
             raise InputError(
-                f"{start}marker {name!r} at ({mark.x_m:g}, {mark.y_m:g}) m is {-clear:.3g} m inside of a wall: "
+                f"{start}marker {name!r} at ({mark.x_m:g}, {mark.y_m:g}) m is {abs(room):.3g} m inside of a wall: "
                 "expected it in the free space"
             )
 

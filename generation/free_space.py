@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 
 import numpy as np
+import shapely
 
-from flocking.types import Floats
+from flocking.types import Bools, Floats, Ints
+from generation.environment import Environment
+from generation.primitives import OUTSIDE, Circle, Polygon, is_fence, places
 
 _AT_A_TIME = 1_000_000
 """Distances of points from pieces that are held at a time."""
@@ -31,6 +35,25 @@ def clearance(faces: Floats, points: Floats) -> Floats:
     return found
 
 
+def in_solid(environment: Environment, points: Floats) -> Bools:
+    """(N,) whether points (N, 2) lie inside of a solid: the smallest closed shape about a point has no space inside.
+
+    So a room may lie within a solid, as a building's rooms within its outline, and pillars within a room.
+    """
+    found = np.zeros(len(points), dtype=np.bool_)
+    closed = [each for each in environment.primitives if isinstance(each, Polygon | Circle) and not is_fence(each)]
+    if not any(each.free == OUTSIDE for each in closed):
+        return found
+    shapes = [(shapely.Polygon(places(each)), each.free == OUTSIDE) for each in closed]
+    spots, left = shapely.points(points), np.ones(len(points), dtype=np.bool_)
+    for shape, solid in sorted(shapes, key=lambda one: float(one[0].area)):
+        shapely.prepare(shape)
+        inside = left & shapely.contains_properly(shape, spots)
+        found |= inside & solid
+        left &= ~inside
+    return found
+
+
 def distance(walls: Floats, points: Floats) -> Floats:
     """(N,) distance (m) of points (N, 2) from the nearest of the walls (K, 4), on whichever side; inf without any."""
     found = np.full(len(points), math.inf)
@@ -48,3 +71,60 @@ def _apart(walls: Floats, points: Floats) -> tuple[Floats, Floats]:
     to_points = offsets - share[..., None] * along
     sides = along[:, 0] * offsets[..., 1] - along[:, 1] * offsets[..., 0]
     return np.hypot(to_points[..., 0], to_points[..., 1]), sides
+
+
+def crossed(walls: Floats, start: Floats, points: Floats) -> Bools:
+    """(N,) whether the straight way from a place (2,) to each of the points (N, 2) meets any of the walls (K, 4)."""
+    found = np.zeros(len(points), dtype=np.bool_)
+    if len(walls) == 0:
+        return found
+    along, offset = walls[:, 2:] - walls[:, :2], walls[:, :2] - start
+    step = max(1, _AT_A_TIME // len(walls))
+    for first in range(0, len(points), step):
+        way = points[first : first + step, None] - start
+        cross = way[..., 0] * along[:, 1] - way[..., 1] * along[:, 0]
+        with np.errstate(divide="ignore", invalid="ignore"):  # parallel: never met, or touched along its length
+            part = (offset[:, 0] * along[:, 1] - offset[:, 1] * along[:, 0]) / cross
+            share = (offset[:, 0] * way[..., 1] - offset[:, 1] * way[..., 0]) / cross
+        met = (part >= 0.0) & (part <= 1.0) & (share >= 0.0) & (share <= 1.0)
+        found[first : first + step] = met.any(axis=1)
+    return found
+
+
+def reached(walls: Floats, start: Floats, points: Floats, radius_m: float = 0.0) -> Bools:
+    """(N,) whether a disc of that radius can get from a place (2,) to each of the points (N, 2), around walls (K, 4).
+
+    Where the place itself is nearer to a wall than the radius, a point must do.
+    """
+    found = ~crossed(walls, start, points)
+    if found.all():
+        return found
+    radius = radius_m if distance(walls, start[None])[0] > radius_m else 0.0
+    regions = _regions(walls.tobytes(), radius)
+    found[~found] = _region_of(regions, points[~found]) == _region_of(regions, start[None])[0]
+    return found
+
+
+@lru_cache(maxsize=8)
+def _regions(walls: bytes, radius: float) -> list[shapely.Polygon]:
+    """What walls (K, 4) enclose, from small to large; what is in none of them is the open plane."""
+    lines = shapely.linestrings(np.frombuffer(walls).reshape(-1, 2, 2))
+    if radius > 0.0:
+        blocked = shapely.union_all(shapely.buffer(lines, radius * (1.0 - 1e-6)))
+        parts = shapely.get_parts(blocked)
+        rings = [shapely.Polygon(ring) for part in parts for ring in part.interiors]
+    else:
+        rings = list(shapely.get_parts(shapely.polygonize([shapely.union_all(lines)])))
+        rings = [shapely.Polygon(ring.exterior) for ring in rings]
+    return sorted(rings, key=lambda ring: float(ring.area))
+
+
+def _region_of(regions: list[shapely.Polygon], points: Floats) -> Ints:
+    """(N,) number of the smallest region that each point is in; −1 = none."""
+    found = np.full(len(points), -1, dtype=np.int64)
+    spots = shapely.points(points)
+    for number, region in enumerate(regions):
+        left = found < 0
+        if left.any():
+            found[left & shapely.contains(region, spots)] = number
+    return found

@@ -9,12 +9,13 @@ import dataclasses
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from flocking import found, lawentry, selection
+from flocking import lawentry, selection
 from flocking.errors import InputError, unknown_name
 from flocking.parameters import Parameter, checked, declared
 from trials import simulations
 from trials.rows import OF_GROUP, OF_TRIAL, Row, Section, below, in_words, rows_of
 from trials.types import Group, Trial
+from worlds import known
 
 AVOIDS = "+"
 """Behind a law's name, adds the avoidance of obstacles that all laws share."""
@@ -89,14 +90,25 @@ def _nearby(trial: Trial, group: Group | None, key: str) -> list[str]:
 def _placed(kept: Any, places: Mapping[str, str], prefix: str, name: str, value: Any) -> Any:
     """A trial or a group with one value set: in a field of that name, in the section's field or in the setup.
 
-    Of a world of the user's own the text of its file is read.
+    Of a world of the user's own the text of its file is read, and of what the world before was given only that stays
+    which the new one has a place for.
     """
     if isinstance(kept, Trial) and (prefix, name) == ("", "world"):
-        kept = dataclasses.replace(kept, world_source=found.read(value, "world") if found.is_path(value) else "")
+        return _in_world(kept, value)
     if not prefix and name in {field.name for field in dataclasses.fields(kept)}:
         return dataclasses.replace(kept, **{name: value})
     field, key = (places[prefix], name) if prefix in places else ("setup", f"{prefix}{name}")
     return dataclasses.replace(kept, **{field: {**getattr(kept, field), key: value}})
+
+
+def _in_world(trial: Trial, world: str) -> Trial:
+    """A trial in another world, without the values of the one before that the new one has no place for."""
+    source = known.text_of(world) if known.is_file(world) else ""
+    trial = dataclasses.replace(trial, world=world, world_source=source)
+    sections = simulations.of(trial).keys_of(trial)
+    names = {name for section in sections if section.prefix == "world." for name in section.parameters}
+    kept = {name: value for name, value in trial.world_parameters.items() if name in names}
+    return dataclasses.replace(trial, world_parameters=kept)
 
 
 def _group_with(group: Group, prefix: str, name: str, value: Any) -> Group:

@@ -11,13 +11,13 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from flocking import found
 from flocking.parameters import filled
 from flocking.types import Floats, Ints
 from robots import body, physics, touching
 from robots.body import Body, Fleet
 from robots.fleets import fleet_of
-from worlds.walls import Walls, add_walls
+from worlds import known
+from worlds.walls import Walls, add_walls, walls_of
 
 NEVER = -(10**9)
 """Tick of the last touch of a pair that has not touched yet."""
@@ -98,9 +98,9 @@ def build(
     Raises `InputError` for an unknown world, body or parameter.
     """
     kinds = tuple(body.load(name) for name in bodies)
-    module = found.load("worlds", world, "world", world_text)
-    parameters = filled(module.Parameters, world_parameters, prefix="world.")
-    walls = module.walls(parameters)
+    its = known.load(world, world_text)
+    parameters = filled(its.parameters, world_parameters, prefix="world.")
+    walls = walls_of(its.environment(parameters))
     model = specification(walls, kinds, names, poses_w, timestep_s, looks=False).compile()
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
@@ -112,7 +112,7 @@ def build(
         bodies=kinds,
         walls=walls,
         names=tuple(names),
-        free_length=float(module.free_length(parameters, max(kind.radius for kind in kinds))),
+        free_length=its.free_length(parameters, max(kind.radius for kind in kinds)),
         _owners=_geom_owners(model, fleet.root_bodies),
         _last_touch=np.full((len(names), len(names) + 1), NEVER, dtype=np.int64),
         _began=np.empty((_NEW_CONTACTS, 4)),

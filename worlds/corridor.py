@@ -9,7 +9,8 @@ from __future__ import annotations
 from typing import Annotated, NamedTuple
 
 from flocking.parameters import Parameter
-from worlds.walls import Walls, closed
+from generation.environment import Environment
+from generation.primitives import INSIDE, Polygon
 
 ROBOT_DIAMETER = 0.33
 """m. Of the publication's robot, an iRobot Create; a test holds the body `create` to it."""
@@ -34,16 +35,16 @@ class Parameters(NamedTuple):
     ] = 0.8
 
 
-def walls(parameters: Parameters) -> Walls:
+def environment(parameters: Parameters) -> Environment:
     """Two long walls and two ends."""
     half_length, half_width = parameters.length_m / 2, parameters.width_m / 2
-    corners = [
+    corners = (
         (-half_length, -half_width),
         (half_length, -half_width),
         (half_length, half_width),
         (-half_length, half_width),
-    ]
-    return Walls(closed(corners), parameters.reflectance)
+    )
+    return Environment((Polygon(corners, INSIDE),), reflectance=parameters.reflectance)
 
 
 def free_length(parameters: Parameters, radius_m: float) -> float:

@@ -20,6 +20,11 @@ COSINE = 1
 """Where, among the numbers of an ANGLE step, the cosine of the angle stands if all members share that angle."""
 
 
+LEAST, BELOW = 2, 3
+"""Where, among the numbers of a DISTANCE_BASED step, the squares of its two distances stand if all members share them
+(`flocking.perception.squared_bound`)."""
+
+
 class Bodies(NamedTuple):
     """The state of each member's body, and its law's memory."""
 
@@ -121,6 +126,8 @@ class Stages(NamedTuple):
     """Whether the law or a selection reads bearings."""
     headings: bool
     """Whether the law reads headings: virtual members that stand have none and are left out."""
+    velocities: bool
+    """Whether the law reads velocities; what it does not say that it reads is nan."""
     detection: int
     """`flocking.kinematic.detection.Detection`."""
     information: int
@@ -149,6 +156,8 @@ class Stages(NamedTuple):
     """Whether obstacles become virtual members."""
     virtual_range: float
     """Distance within which they do."""
+    sight_lines: bool
+    """Whether a wall hides what is behind it."""
     look_ahead: float
     """Of the shared avoidance."""
     margin: float
@@ -187,6 +196,7 @@ def example_stages() -> Stages:
         0.0,
         True,
         True,
+        True,
         0,
         0,
         0.0,
@@ -201,6 +211,7 @@ def example_stages() -> Stages:
         True,
         True,
         0.0,
+        True,
         0.0,
         0.0,
     )

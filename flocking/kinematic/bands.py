@@ -15,9 +15,9 @@ import numpy as np
 from flocking import avoidance, obstacle_selection, selection
 from flocking.errors import InputError
 from flocking.kinematic import detection
-from flocking.kinematic.arrays import BEARINGS, COSINE, POSES, Place, Stages
+from flocking.kinematic.arrays import BEARINGS, BELOW, COSINE, LEAST, POSES, Place, Stages
 from flocking.lawentry import Law
-from flocking.perception import Step
+from flocking.perception import Step, squared_bound
 from flocking.selection import Chosen
 from flocking.types import Bools, Floats
 
@@ -130,6 +130,8 @@ class Band:
     """Range of those detections and of obstacles."""
     obstacle_selection: str = "all"
     """Which obstacles count (`flocking.obstacle_selection.parse`)."""
+    sight_lines: bool = False
+    """Whether a wall hides obstacles: those whose nearest point lies behind another wall."""
     obstacles: str = "as-law"
     """`as-law`; `avoid`: the shared avoidance is added; `virtual-members`: obstacles become members."""
     avoidance: avoidance.Parameters = field(default_factory=avoidance.Parameters)
@@ -179,6 +181,8 @@ class Band:
         program = selection.program(sets if varied else self._resolved(sets), names)
         angles = program.steps == Step.ANGLE
         program.given[angles, COSINE] = np.cos(np.radians(program.given[angles, 0]))
+        for s, k in np.argwhere(program.steps == Step.DISTANCE_BASED):
+            program.given[s, k, [LEAST, BELOW]] = [squared_bound(bound) for bound in program.given[s, k, :2].tolist()]
         for name, value, valid in (
             ("detection", self.detection, DETECTIONS),
             ("information", self.information, INFORMATION),
@@ -204,6 +208,7 @@ class Band:
             reach=float(reach),
             bearings="bearings" in read,
             headings="headings" in read,
+            velocities="velocities" in read,
             detection=DETECTIONS[self.detection],
             information=INFORMATION[self.information],
             assumed_distance=float(self.assumed_distance_m),
@@ -218,6 +223,7 @@ class Band:
             avoids=self.obstacles == "avoid",
             virtual=self.obstacles == "virtual-members",
             virtual_range=float(self.avoidance.virtual_range_m),
+            sight_lines=bool(self.sight_lines),
             look_ahead=float(self.avoidance.look_ahead_m),
             margin=float(self.avoidance.margin_m),
         )

@@ -15,9 +15,9 @@ from numba.core import sigutils, types
 
 from flocking.compilation import borrowing, compiled_for
 from flocking.kinematic import arrays
-from flocking.kinematic.arrays import Bodies, HerdArrays, Stages, Tracks
+from flocking.kinematic.arrays import Bodies, HerdArrays, Place, Stages, Tracks
 from flocking.kinematic.cells import binned, cells_of
-from flocking.kinematic.mind import decide
+from flocking.kinematic.mind import decide, near_walls_of
 from flocking.kinematic.motion import move
 from flocking.kinematic.sight import Crowd, assemble, scratch
 from flocking.kinematic.walls import shortest
@@ -85,6 +85,7 @@ def synchronous(
     count = len(bodies.positions)
     room = scratch(count, stages, len(herd.place.walls))
     everybody, rows = np.arange(count), np.arange(count)
+    walled = (stages.obstacles or stages.avoids or stages.virtual) and herd.place.period == 0.0
     unsorted = Crowd(bodies.positions, bodies.headings, bodies.velocities, everybody)
     sorted_ = Crowd(np.empty((count, 2)), np.empty(count), np.empty((count, 2)), everybody.copy())
     for step in range(len(draws)):
@@ -96,6 +97,10 @@ def synchronous(
             crowd = sorted_
             cells = cells_of(cells, everybody)
         by_cells = cells.columns > 0 and len(who) == count
+        seen = len(room.near_walls)
+        if walled:
+            seen = near_walls_of(bodies.positions, herd.place.walls, stages.sight, room.near_walls)
+        near_walls = room.near_walls[:seen]
         for k in range(0 if by_cells else count):
             rows[order[k] if cells.columns > 0 else k] = k
         for k in range(len(who)):
@@ -103,13 +108,67 @@ def synchronous(
             i = who[at]
             row = k if by_cells else rows[i]
             turn[0], turn[1] = step, i
-            sound = decide(law, i, row, stages, herd, crowd, cells, draws[step, at], room)
+            sound = decide(law, i, row, stages, herd, crowd, cells, near_walls, draws[step, at], room)
             motions[i] = room.motion
             if not sound:
                 return 1
         if decides_only == 0:
             move_all(herd)
             keep_step(bodies, tracks, step)
+    return 0
+
+
+@compiled_for(
+    _I(
+        _LAW,
+        _STAGES,
+        _HERD,
+        _F[:, :, ::1],
+        _F[:, :, ::1],
+        _F[:, ::1],
+        _I[::1],
+        _F[::1],
+        _F[:, :, :, ::1],
+        _F[:, :, :, ::1],
+        _I[::1],
+    )
+)
+def many(
+    law: Callable[..., None],
+    stages: Stages,
+    herd: HerdArrays,
+    poses: Floats,
+    velocities: Floats,
+    walls: Floats,
+    ends: Ints,
+    clearances: Floats,
+    draws: Floats,
+    positions: Floats,
+    turn: Ints,
+) -> int:
+    """Herds of one band, one after the other, synchronous, from their start on; returns 0, or 1 if a law failed.
+
+    `herd` is set up for one of them and holds each in turn. Of J herds of N members: `poses` (J, N, 3), `velocities`
+    (J, N, 2), `walls` (W, 4) of all, those of herd j in the rows `ends[j]` to `ends[j + 1]`, `clearances` (J,), `draws`
+    (J, steps, N, DRAWS). Writes `positions` (J, steps + 1, N, 2). `turn` (3,): the herd, step and member at work.
+    """
+    bodies, limits, minds, place, dt, motions, forward = herd
+    count, steps = len(bodies.positions), draws.shape[1]
+    who, rows = np.arange(count), np.empty((steps, count, 5))
+    for j in range(len(poses)):
+        turn[0] = j
+        bodies.positions[:] = poses[j, :, :2]
+        bodies.headings[:] = poses[j, :, 2]
+        bodies.velocities[:] = velocities[j]
+        bodies.turn_rates[:] = 0.0
+        bodies.contacts[:] = False
+        bodies.memory[:] = 0.0
+        here = Place(place.period, walls[ends[j] : ends[j + 1]], clearances[j], place.graph, place.tessellated)
+        one = HerdArrays(bodies, limits, minds, here, dt, motions, forward)
+        positions[j, 0] = bodies.positions
+        if synchronous(law, stages, one, who, draws[j], Tracks(rows, 1, 0), turn[1:], 0) != 0:
+            return 1
+        positions[j, 1:] = rows[:, :, :2]
     return 0
 
 
@@ -145,7 +204,7 @@ def asynchronous(
         for k in range(order.shape[1]):
             i = order[step, k]
             turn[0], turn[1] = step, i
-            sound = decide(law, i, i, stages, herd, crowd, cells, draws[step, k], room)
+            sound = decide(law, i, i, stages, herd, crowd, cells, room.near_walls, draws[step, k], room)
             motions[i] = room.motion
             if not sound:
                 return 1

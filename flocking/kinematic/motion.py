@@ -27,9 +27,12 @@ def wanted(
     kind: int, x: float, y: float, heading: float, vx: float, vy: float, cruise: float, dt: float
 ) -> tuple[float, float, float]:
     """Velocity (world) and heading that a motion means, before any limit."""
-    c, s = math.cos(heading), math.sin(heading)
     if kind == Kind.STOP:
         return 0.0, 0.0, heading
+    if kind == Kind.HEADING:
+        heading += x
+        return y * math.cos(heading), y * math.sin(heading), heading
+    c, s = math.cos(heading), math.sin(heading)
     if kind == Kind.WAY_POINT:
         distance = math.sqrt(x * x + y * y)
         if distance == 0.0:
@@ -39,9 +42,6 @@ def wanted(
         vx, vy = c * x - s * y, s * x + c * y
     elif kind == Kind.VELOCITY:
         vx, vy = c * x - s * y, s * x + c * y
-    elif kind == Kind.HEADING:
-        heading += x
-        return y * math.cos(heading), y * math.sin(heading), heading
     elif kind == Kind.ACCELERATION:
         vx += (c * x - s * y) * dt
         vy += (s * x + c * y) * dt

@@ -82,6 +82,8 @@ class Scratch(NamedTuple):
     """(BEAMS,) the candidate that each reading falls on, -1 = none."""
     motion: Floats
     """(4,) kind, x, y and rule of what its law decided."""
+    near_walls: Ints
+    """(W,) the walls that anybody may see, those first that `near_walls_of` counts."""
 
 
 @compiled
@@ -98,8 +100,8 @@ def scratch(count: int, stages: Stages, walls: int) -> Scratch:
         np.empty((count, 2)),
         np.empty((room, 2)),
         np.empty(room),
-        np.empty(room),
-        np.empty((room, 2)),
+        np.full(room, np.nan),
+        np.full((room, 2), np.nan),
         np.empty(room, np.int64),
         np.empty(room, np.int64),
         np.empty(room * sets, np.bool_),
@@ -111,6 +113,7 @@ def scratch(count: int, stages: Stages, walls: int) -> Scratch:
         np.empty(beams),
         np.empty(beams, np.int64),
         np.empty(4),
+        np.arange(walls),
     )
 
 
@@ -182,17 +185,46 @@ def turn_all(vectors: Floats, count: int, c: float, s: float, out: Floats) -> No
 
 
 @inlined
-def describe(focal: Focal, found: int, crowd: Crowd, room: Scratch) -> None:
-    """Writes heading, velocity (body axes) and id of each input from the member that it is of."""
+def describe(focal: Focal, found: int, stages: Stages, crowd: Crowd, room: Scratch) -> None:
+    """Writes heading, velocity (body axes) and id of each input from the member that it is of; nan for what is not read."""
     c, s, sources = focal.cosine, focal.sine, room.sources
     all_headings, all_velocities, all_ids = crowd.headings, crowd.velocities, crowd.ids
     headings, velocities, ids = room.headings, room.velocities, room.ids
     for k in range(found):
-        j = sources[k]
-        headings[k] = turn_between(focal.heading, all_headings[j])
+        ids[k] = all_ids[sources[k]]
+    if stages.headings:
+        for k in range(found):
+            headings[k] = turn_between(focal.heading, all_headings[sources[k]])
+    elif stages.virtual:  # where virtual members were
+        headings[:found] = math.nan
+    if stages.velocities:
+        for k in range(found):
+            j = sources[k]
+            vx, vy = all_velocities[j, 0], all_velocities[j, 1]
+            velocities[k, 0], velocities[k, 1] = c * vx + s * vy, c * vy - s * vx
+    elif stages.virtual:
+        velocities[:found] = math.nan
+
+
+@inlined
+def of_all_at_once(focal: Focal, reach: float, crowd: Crowd, room: Scratch) -> int:
+    """What `detected` does where all members are looked at, perfectly, in space without period, and no heading is read.
+
+    One pass over the members: each is written, and counted if it is within reach.
+    """
+    i, x, y, c, s = focal.id, focal.x, focal.y, focal.cosine, focal.sine
+    all_positions, all_velocities, all_ids = crowd.positions, crowd.velocities, crowd.ids
+    positions, velocities, ids, sources = room.positions, room.velocities, room.ids, room.sources
+    squared, count = reach * reach, 0
+    for j in range(len(all_positions)):
+        dx, dy = all_positions[j, 0] - x, all_positions[j, 1] - y
         vx, vy = all_velocities[j, 0], all_velocities[j, 1]
-        velocities[k, 0], velocities[k, 1] = c * vx + s * vy, c * vy - s * vx
-        ids[k] = all_ids[j]
+        positions[count, 0], positions[count, 1] = c * dx + s * dy, c * dy - s * dx
+        velocities[count, 0], velocities[count, 1] = c * vx + s * vy, c * vy - s * vx
+        ids[count] = all_ids[j]
+        sources[count] = j
+        count += (dx * dx + dy * dy <= squared) & (all_ids[j] != i)
+    return count
 
 
 @borrowing
@@ -223,6 +255,13 @@ def owners_of(found: int, candidates_: Ints, sources: Ints) -> None:
 def detected(focal: Focal, stages: Stages, crowd: Crowd, cells: Cells, period: float, room: Scratch) -> int:
     """Stage 2: writes the set D of the focal member in its body frame; returns its size."""
     perfect = stages.detection == detection.Detection.PERFECT
+    if perfect and period == 0.0 and cells.columns == 0 and stages.velocities and not stages.headings:
+        found = of_all_at_once(focal, stages.reach, crowd, room)
+        if stages.information == BEARINGS:
+            at_distance(room.positions, found, stages.assumed_distance)
+        if stages.bearings:
+            take_bearings(room.positions, found, room.bearings)
+        return found
     sources = room.sources if perfect else room.candidates
     found = candidates(focal, crowd, cells, period, stages.reach, room, sources)
     c, s = focal.cosine, focal.sine
@@ -242,7 +281,7 @@ def detected(focal: Focal, stages: Stages, crowd: Crowd, cells: Cells, period: f
             room.sources,
         )
         owners_of(found, room.candidates, room.sources)
-    describe(focal, found, crowd, room)
+    describe(focal, found, stages, crowd, room)
     if stages.information == BEARINGS:
         at_distance(room.positions, found, stages.assumed_distance)
     if stages.bearings:

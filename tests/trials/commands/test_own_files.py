@@ -36,20 +36,17 @@ WORLD = '''"""A yard."""
 from typing import Annotated, NamedTuple
 
 from flocking.parameters import Parameter
-from worlds.walls import Walls, closed
+from generation.environment import Environment
+from generation.primitives import Polygon
 
 
 class Parameters(NamedTuple):
     size_m: Annotated[float, Parameter("m", "a choice", low=2.0, high=100.0)] = 12.0
 
 
-def walls(parameters):
+def environment(parameters):
     a = parameters.size_m / 2
-    return Walls(closed([(-a, -a), (a, -a), (a, a), (-a, a)]), 0.8)
-
-
-def free_length(parameters, radius_m):
-    return float("inf")
+    return Environment((Polygon(((-a, -a), (a, -a), (a, a), (-a, a)), "inside"),))
 '''
 BODY = '''"""A wider Create."""
 

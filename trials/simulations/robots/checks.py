@@ -9,19 +9,25 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from flocking import found
 from flocking.errors import InputError
 from flocking.parameters import filled
 from flocking.types import Floats
 from sensing.laser import hokuyo
 from trials.simulations import spread
 from trials.simulations.robots import information
-from trials.simulations.robots.fields import GroupFields, TrialFields, of_trial, world_of
+from trials.simulations.robots.fields import (
+    TOGETHER,
+    GroupFields,
+    TrialFields,
+    environment_of,
+    of_trial,
+    world_of,
+)
 from trials.simulations.robots.log import SAMPLE_S
 from trials.simulations.robots.resolved import Resolved
 from trials.simulations.robots.starts import check_starts, starting_poses
 from trials.types import Trial, compared
-from worlds.walls import Walls
+from worlds.starts import Herd
 
 
 def check(trial: Trial) -> None:
@@ -46,8 +52,7 @@ def check(trial: Trial) -> None:
         _check_sensors(its, groups)
         information.check(its)
         spread.check(trial, number, its.law_parameters._asdict())
-    world = world_of(trial)
-    filled(world.Parameters, trial.world_parameters, prefix="world.")
+    environment_of(trial)
 
 
 def check_start(trial: Trial) -> None:
@@ -79,16 +84,14 @@ def _check_start(start: _Start) -> None:
     trial = start.trial
     given, world = of_trial(trial), world_of(trial)
     groups = [Resolved(group) for group in trial.groups]
-    walls = filled(world.Parameters, trial.world_parameters, prefix="world.")
     radii = np.repeat([its.body.radius for its in groups], [its.given.count for its in groups])
     poses_w = starting_poses(trial)
     widest, fastest = float(radii.max()), max(its.given.speed_m_s for its in groups)
-    fenced, free = found.run(str(world.__file__), lambda: (world.walls(walls), float(world.free_length(walls, widest))))
-    if not isinstance(fenced, Walls):
-        raise InputError(f"{world.__file__}: walls(...) returned {type(fenced).__name__}; expected worlds.walls.Walls")
+    free = world.free_length(filled(world.parameters, trial.world_parameters, prefix="world."), widest)
     _check_reach(trial, given, poses_w, free, fastest, widest)
     names = [f"{group.name}-{k + 1}" for group in trial.groups for k in range(group.count)]
-    check_starts(names, poses_w, radii, fenced.segments)
+    together = np.repeat([its.given.formation == TOGETHER for its in groups], [its.given.count for its in groups])
+    check_starts(Herd(names, poses_w, radii, together), environment_of(trial))
 
 
 def _check_sensors(its: Resolved, groups: Sequence[Resolved]) -> None:

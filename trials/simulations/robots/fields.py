@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, NamedTuple
 
 from flocking import found, lawentry, obstacle_selection
-from flocking.errors import InputError, unknown_name
 from flocking.parameters import Parameter, filled
+from generation.environment import Environment
 from robots import body as bodies
 from sensing.laser import hokuyo
 from trials.rows import below
 from trials.simulations.robots.knowledge import SOURCES
 from trials.types import Group, Trial, Value
-from worlds import formations
+from worlds import formations, known
 
 NAME = "robots"
-PIPELINES, WORLDS = "sensing.pipelines", "worlds"
+PIPELINES = "sensing.pipelines"
 TWO_SCANS, NO_ASSOCIATION = ASSOCIATIONS = ("two-scans", "none")
 AS_LAW, AVOID, VIRTUAL = OBSTACLE_CHOICES = ("as-law", "avoid", "virtual-members")
 TOGETHER = "together"
@@ -26,8 +26,7 @@ SENSORS, ASSOCIATION, AVOIDANCE, FORMATION = "sensors.", "association.", "avoida
 
 def world_names() -> list[str]:
     """The worlds that robots can be put into."""
-    names = sorted(found.modules(WORLDS))
-    return [name for name in names if callable(getattr(found.load(WORLDS, name, "world"), "walls", None))]
+    return known.names()
 
 
 def body_names() -> list[str]:
@@ -262,17 +261,11 @@ def of_group(group: Group) -> GroupFields:
     return filled_in
 
 
-def world_of(trial: Trial) -> Any:
-    """The module of a trial's world. Raises `InputError`, also for a user's own file that holds none."""
-    if not found.is_path(trial.world):
-        if trial.world.replace("_", "-") not in world_names():
-            raise unknown_name("world", trial.world, world_names())
-        return found.load(WORLDS, trial.world, "world")
-    module = found.load(WORLDS, trial.world, "world", trial.world_source)
-    for wanted in ("Parameters", "walls", "free_length"):
-        if not callable(getattr(module, wanted, None)):
-            raise InputError(
-                f"world file {trial.world!r} lacks {wanted}; expected Parameters, walls(parameters) and "
-                "free_length(parameters, radius_m), see worlds/corridor.py"
-            )
-    return module
+def world_of(trial: Trial) -> known.Known:
+    """A trial's world. Raises `InputError`."""
+    return known.load(trial.world, trial.world_source)
+
+
+def environment_of(trial: Trial) -> Environment:
+    """What stands in a trial's world. Raises `InputError`."""
+    return known.environment_of(trial.world, trial.world_source, trial.world_parameters)

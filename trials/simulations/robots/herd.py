@@ -55,7 +55,7 @@ class Herd:
             self.world.fleet.velocities(self.world.data),
             self.silhouettes,
             k,
-            self.world.walls.segments,
+            self.world.walls.all,
         )
 
 

@@ -25,10 +25,10 @@ FOR_CREATES = Parameter("", "for Creates: the law's file")
 def keys_of(trial: Trial, group: Group | None = None) -> list[Section]:
     """The keys of a trial of robots, or of one of its groups."""
     if group is None:
-        world, formation = fields.world_of(trial).Parameters, formations.parameters_of(trial.formation)
+        world, formation = fields.world_of(trial), formations.parameters_of(trial.formation)
         return [
             section("", fields.TrialFields, lambda: fields.of_trial(trial)._asdict()),
-            section("world.", world, lambda: _all(world, trial.world_parameters)),
+            section("world.", world.parameters, lambda: world.values(trial.world_parameters)),
             section(fields.FORMATION, formation, lambda: _all(formation, trial.formation_parameters)),
         ]
     its = Resolved(group)

@@ -62,7 +62,7 @@ def run_trial(trial: Trial, scans: str = "none", reraise: bool = False, folder: 
         names=herd.world.names,
         radii=herd.radii,
         rules=tuple(robot.rules for robot in herd.robots),
-        walls_w=herd.world.walls.segments,
+        walls_w=herd.world.walls.all,
         contacts=herd.world.contacts,
         outcome=outcome,
         reason=reason,

@@ -11,7 +11,7 @@ from trials.simulations.contract import Simulation
 from trials.simulations.robots import checks, fields, keys, worldfile
 from trials.simulations.robots.measures import ABOUT, HEADINGS, KEY_MEASURES
 from trials.types import Trial, TrialResult, with_setup
-from worlds import formations
+from worlds import formations, known
 
 MOMENT_S = 1.0
 """Simulated time in which every robot senses and acts a few times."""
@@ -73,7 +73,8 @@ def listed(kind: str) -> Mapping[str, object]:
     if kind == "bodies":
         return {name: bodies.package(name) for name in bodies.names()}
     if kind == "worlds":
-        return {name: found.load(fields.WORLDS, name, "world") for name in fields.world_names()}
+        modules = {name: found.load(known.PACKAGE, name, "world") for name in fields.world_names()}
+        return {**modules, "FILE": known.OfFile}
     return {f"robots: {name}": formation.place for name, formation in formations.FORMATIONS.items()}
 
 

@@ -12,12 +12,14 @@ import pytest
 
 import trials.studies
 from flocking.errors import InputError
+from generation.environment import Environment
+from generation.primitives import Polygon
 from trials import design, keys, simulations
 from trials.simulations.robots import fields
 from trials.simulations.robots.herd import assemble
 from trials.simulations.robots.starts import check_starts, starting_poses
 from trials.types import Trial
-from worlds.walls import closed
+from worlds.starts import Herd
 
 EXPERIMENT = '''
 """A pursuer beside a herd."""
@@ -144,11 +146,12 @@ class TestFormations:
 
 def test_a_start_in_a_pillar_is_named_as_inside_a_wall() -> None:
     """Wide enough that its middle lies far behind its faces; beside it there is room."""
-    pillar = closed([(0, -1), (0, 1), (2, 1), (2, -1)])
+    pillar = Environment((Polygon(((0, -1), (0, 1), (2, 1), (2, -1))),))
     start, beside, radii = np.array([[1.0, 0.0, 0.0]]), np.array([[3.0, 0.0, 0.0]]), np.array([0.165])
-    check_starts(["herd-1"], beside, radii, pillar)
-    with pytest.raises(InputError, match=r"herd-1 starts at \(1.00, 0.00\) m, inside a wall, .* given clockwise"):
-        check_starts(["herd-1"], start, radii, pillar)
+    alone = np.array([True])
+    check_starts(Herd(["herd-1"], beside, radii, alone), pillar)
+    with pytest.raises(InputError, match=r"herd-1 starts at \(1.00, 0.00\) m, inside a wall"):
+        check_starts(Herd(["herd-1"], start, radii, alone), pillar)
 
 
 def test_each_group_has_streams_of_its_own() -> None:
