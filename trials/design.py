@@ -15,10 +15,12 @@ from trials.experiments import experiment_names, experiments, load, made_by, nam
 from trials.invoked import spelled
 from trials.rows import Row, marked
 from trials.types import Trial, Value
+from worlds import known as known_worlds
 
 DEFAULT_SEED = 1
 MAX_TRIALS = 100_000
 FORMATION = "formation."
+WORLD = "world"
 BRINGING = ("law", "body", "world", "formation")
 """Names that bring values of other keys with them."""
 
@@ -51,6 +53,7 @@ def plan(
     law: str | None = None,
     pipeline: str | None = None,
     body: str | None = None,
+    world: str | None = None,
     most_by: str = "--repeats",
 ) -> Plan:
     """The trials of an experiment.
@@ -77,10 +80,14 @@ def plan(
     for field, value in (("law", law), ("pipeline", pipeline), ("body", body)):
         if value is not None:
             settings |= _of_first_group(made_by(module, "base", 1), field, value, {**settings, **arm_values}, notes)
+    if world is not None:
+        settings |= _of_world(made_by(module, "base", 1), world, {**settings, **arm_values})
     for key in [key for key in settings if key in conditions]:
         conditions[key] = [settings.pop(key)]
     for key in [key for key in arm_values if key in conditions]:
         conditions[key] = arm_values.pop(key)
+    worlds = [settings.get(WORLD), *arm_values.get(WORLD, ()), *conditions.get(WORLD, ())]
+    notes |= dict.fromkeys(_of_files(worlds))
     arms = [dict(zip(arm_values, values, strict=True)) for values in itertools.product(*arm_values.values())]
     designs = [(arm, _cells(module, settings, arm, conditions, notes)) for arm in arms]
     total = repeats * sum(len(cells) for _, cells in designs)
@@ -181,6 +188,22 @@ def _of_first_group(
     return {key: value}
 
 
+def _of_world(base: Trial, world: str, given: Mapping[str, Any]) -> dict[str, Any]:
+    """The setting made by `--world`. Raises `InputError` where worlds are among those `given`, or there are none."""
+    if WORLD in given:
+        option = "--sweep" if isinstance(given[WORLD], list) else "--set"
+        raise InputError(f"--world {world} and {option} {WORLD}={given[WORLD]}: expected one of the two")
+    if not keys.has(base, WORLD):
+        raise InputError(f"--world {world}: {base.experiment} has no worlds; expected an experiment with worlds")
+    return {WORLD: world}
+
+
+def _of_files(values: Sequence[Any]) -> list[str]:
+    """What is to be known of the files of worlds among the values of `world`, one line each."""
+    files = dict.fromkeys(value for value in values if isinstance(value, str) and known_worlds.is_file(value))
+    return [line for file in files for line in known_worlds.told(file)]
+
+
 def _parameters(module: ModuleType, trials: Sequence[Trial], given: set[str]) -> list[Row]:
     """Every parameter of the first trial, and those that only the formations of others have.
 
@@ -203,8 +226,11 @@ def _parameters(module: ModuleType, trials: Sequence[Trial], given: set[str]) ->
 
 
 def _usual(base: Trial, trial: Trial) -> dict[str, Any]:
-    """The experiment's own value of each key; of a law that is not the experiment's, its own values."""
+    """The experiment's own value of each key; of a law or a world that is not the experiment's, its own values."""
     usual = {row.key: row.value for row in keys.rows(base)}
+    if trial.world != base.world:
+        there = dataclasses.replace(base, world=trial.world, world_source=trial.world_source, world_parameters={})
+        usual |= {row.key: row.value for row in keys.rows(there) if row.key.startswith(f"{WORLD}.")}
     groups = [
         own if own.law == other.law else dataclasses.replace(other, law_parameters={})
         for own, other in zip(base.groups, trial.groups, strict=True)
@@ -223,11 +249,12 @@ def _cells(
     """The cells of one arm. Another law may lack a parameter that the experiment varies: it is left out, and noted."""
     chosen = {**settings, **arm}
     names = {key: value for key, value in chosen.items() if not any(_names_first(key)[:2])}
-    changed = any(key.rsplit(".", 1)[-1] == "law" for key in names)
+    changed = any(key.rsplit(".", 1)[-1] in ("law", WORLD) for key in names)
     known = {row.key for row in keys.rows(_put(made_by(module, "base", 1), names))} if changed else set(conditions)
     for key in conditions:
         if key not in known:
-            notes[f"{key} is left out: the law has no parameter {key.rsplit('.', 1)[-1]}"] = None
+            what = WORLD if key.startswith(f"{WORLD}.") else "law"
+            notes[f"{key} is left out: the {what} has no parameter {key.rsplit('.', 1)[-1]}"] = None
     kept = {key: values for key, values in conditions.items() if key in known}
     if hasattr(module, "cells"):
         return [dict(cell) for cell in made_by(module, "cells", kept)]

@@ -34,7 +34,7 @@ def put_at_start(environment: Environment, poses: Floats) -> Floats:
     return np.stack([mark.x_m + c * x - s * y, mark.y_m + s * x + c * y, poses[:, 2] + mark.heading_rad], axis=1)
 
 
-class Herd(NamedTuple):
+class Starting(NamedTuple):
     """Members at their start, N of them."""
 
     names: Sequence[str]
@@ -46,7 +46,7 @@ class Herd(NamedTuple):
     """(N,) which of them stand in the formation about the world's start."""
 
 
-def check(herd: Herd, environment: Environment, half_fence_m: float = 0.0) -> None:
+def check(herd: Starting, environment: Environment, half_fence_m: float = 0.0) -> None:
     """Refuses members that start in a wall or nearer to it than their radius, or that walls keep apart: `InputError`.
 
     `half_fence_m`: half the thickness of a fence.
@@ -65,7 +65,7 @@ def check(herd: Herd, environment: Environment, half_fence_m: float = 0.0) -> No
         )
 
 
-def _check_walls(herd: Herd, environment: Environment, half_fence_m: float) -> None:
+def _check_walls(herd: Starting, environment: Environment, half_fence_m: float) -> None:
     clear = clearance(environment.faces(), herd.poses_w[:, :2])
     beside = distance(environment.fences(), herd.poses_w[:, :2]) - half_fence_m
     solid = in_solid(environment, herd.poses_w[:, :2])
@@ -85,12 +85,15 @@ def _check_walls(herd: Herd, environment: Environment, half_fence_m: float) -> N
     raise InputError(f"{_told(herd, nearest)}, {where}; expected a start within the world{advice}")
 
 
-def _told(herd: Herd, member: int) -> str:
+def _told(herd: Starting, member: int) -> str:
     x, y = herd.poses_w[member, :2]
     return f"{herd.names[member]} starts at ({x:.2f}, {y:.2f}) m"
 
 
 def _advice(environment: Environment, together: bool) -> str:
-    """For an environment from a file, which tells where it comes from or has other markers, what it lacks."""
-    lacks = together and marker(environment) is None and (environment.markers or environment.origin)
-    return ", or a marker 'start' to put it at" if lacks else ""
+    """For an environment from a file, what would help a formation about its start."""
+    if not together:
+        return ""
+    if marker(environment) is not None:
+        return ", as by a smaller formation or a larger world.scale"
+    return ", or a marker 'start' to put it at" if environment.markers or environment.origin else ""

@@ -22,7 +22,7 @@ from flocking import found
 from flocking.errors import InputError
 from flocking.parameters import declared, filled
 from flocking.types import Floats
-from generation.environment import Environment, Mark
+from generation.environment import Environment
 
 
 @dataclass(frozen=True)
@@ -96,14 +96,3 @@ def load(name: str) -> Behaviour:
         raise InputError(f"behaviour {shown}: fitness is no function")
     about = (module.__doc__ or "").strip().partition("\n")[0]
     return Behaviour(shown, about, module.Parameters, iterations, float(success), module.fitness)
-
-
-def marker(environment: Environment, name: str, behaviour: str, *kinds: type) -> Any:
-    """A marker that a behaviour reads. Raises `InputError` where it is missing or no primitive of these kinds."""
-    found_: Mark | None = environment.markers.get(name)
-    if not isinstance(found_, kinds):
-        expected = " or ".join(kind.__name__.lower() for kind in kinds)
-        given = "is missing" if found_ is None else f"is a {type(found_).__name__.lower()}"
-        others = ", ".join(sorted(environment.markers)) or "none"
-        raise InputError(f"behaviour {behaviour}: marker {name!r} {given}; expected a {expected} (markers: {others})")
-    return found_

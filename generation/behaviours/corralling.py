@@ -11,8 +11,8 @@ from typing import Annotated, NamedTuple
 from flocking.measures.fragments import gathers
 from flocking.parameters import Parameter
 from flocking.types import Floats
-from generation.behaviours import marker
 from generation.environment import Environment
+from generation.markers import marker
 from generation.primitives import Point
 
 TABLE = "Fine 2015, table 6.1"
@@ -43,7 +43,7 @@ def fitness(positions: Floats, environment: Environment, parameters: Parameters)
 
     Without that marker it is the origin of the frame, as in table 6.1.
     """
-    at = marker(environment, "origin", "corralling", Point) if "origin" in environment.markers else Point()
+    at = marker(environment, "origin", "behaviour corralling", Point) if "origin" in environment.markers else Point()
     held = gathers(
         positions[1 : parameters.within + 1],
         parameters.threshold_m,

@@ -13,8 +13,8 @@ import numpy as np
 from flocking.measures.fragments import crossed, entered
 from flocking.parameters import Parameter
 from flocking.types import Floats
-from generation.behaviours import marker
 from generation.environment import Environment
+from generation.markers import marker
 from generation.primitives import Polygon, Segment
 
 ITERATIONS = 200
@@ -31,7 +31,7 @@ class Parameters(NamedTuple):
 
 def fitness(positions: Floats, environment: Environment, parameters: Parameters) -> float:
     """Share of the members (T, N, 2) that crossed the marker `goal`, a segment, or were inside of it, a polygon."""
-    goal = marker(environment, "goal", "turn-right", Segment, Polygon)
+    goal = marker(environment, "goal", "behaviour turn-right", Segment, Polygon)
     looked_at = positions[: parameters.within + 1]
     if isinstance(goal, Segment):
         return float(crossed(looked_at, goal).mean())

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Iterable
 from dataclasses import dataclass
+from itertools import accumulate
 from typing import NamedTuple
 
 import numpy as np
 
 from flocking.errors import InputError, unknown_name
-from generation.grammar.rules import LINES, MOST_STEPS, STEPS, Grammar, LeftSide, Rule, applied, chances
-from generation.grammar.shapes import Shape, Similarity, moved, of_row, part_of
+from generation.grammar.rules import LINES, MOST_STEPS, STEPS, Grammar, LeftSide, Rule, chances
+from generation.grammar.shapes import Shape, Similarity, applied, moved, of_row, part_of
 
 START = "start"
 
@@ -64,7 +66,7 @@ def derive(
     """
     least, most = grammar.limit.least if least is None else least, grammar.limit.most if most is None else most
     limit = most if least == most else int(rng.integers(least, most + 1))
-    cumulated = [np.cumsum(chances(left, weights)) for left in grammar.lefts]
+    cumulated = [list(accumulate(chances(left, weights))) for left in grammar.lefts]
     shape = grammar.start if at is None else moved(grammar.start, at.row())
     steps = [Step(START, at or Similarity(), shape)]
     most_steps = min(limit, MOST_STEPS) if grammar.limit.counted == STEPS else MOST_STEPS
@@ -82,7 +84,7 @@ def derive(
             index -= len(found[side])
             side += 1
         left, row = grammar.lefts[side], found[side][index]
-        chosen = min(int(np.searchsorted(cumulated[side], which, side="right")), len(left.rules) - 1)
+        chosen = min(bisect_right(cumulated[side], which), len(left.rules) - 1)
         shape = applied(shape, left.shape, left.rules[chosen].right, row)
         if grammar.limit.counted == LINES and grammar.built(shape) > limit:
             return Derivation(grammar, tuple(steps), f"limit of {limit} lines")
@@ -90,7 +92,7 @@ def derive(
 
 
 def replay(grammar: Grammar, moves: Iterable[tuple[str, Similarity]], at: Similarity | None = None) -> Derivation:
-    """The derivation with these moves. Raises `InputError` for a rule that there is not, or whose left side is not there."""
+    """The derivation with these moves. Raises `InputError` for an unknown rule, and for one that does not apply."""
     rules = {rule.name: (left, rule) for left, rule in grammar.rules}
     shape = grammar.start if at is None else moved(grammar.start, at.row())
     steps = [Step(START, at or Similarity(), shape)]

@@ -1,8 +1,10 @@
 """Whether a grammar without a limit ends: decided as for context-free grammars, where that decides it.
 
 Each left side is a type. What a rule's right side brings of a type is the number of places of it where that left side
-matches. A derivation is then a branching process of several types (Harris 1963, chapter 2): it ends if each type that is
-reached can end, and its mean number of steps is finite if the largest eigenvalue of the mean offspring is below 1.
+matches. A derivation is then a branching process of several types (Harris 1963, chapter 2): it ends if each type that
+is reached can end, and its mean number of steps is finite if the largest eigenvalue of the mean offspring is below 1.
+What left sides find only where several right sides lie beside one another is not seen; no derivation goes beyond
+`MOST_STEPS`.
 """
 
 from __future__ import annotations
@@ -26,14 +28,7 @@ def check_ends(grammar: Grammar) -> None:
     reached = _reached(grammar)
     ending: set[str] = set()
     for _ in grammar.lefts:
-        ending |= {
-            left.name
-            for left in grammar.lefts
-            if any(
-                rule.probability > 0.0 and all(each.name in ending or not places(each, rule.right) for each in grammar.lefts)
-                for rule in left.rules
-            )
-        }
+        ending |= {left.name for left in grammar.lefts if _can_end(left, grammar, ending)}
     for left in grammar.lefts:
         if left.name in reached and left.name not in ending:
             raise InputError(f"the rules of {left.name!r} never end: each leads to a left side that leads on; {advice}")
@@ -67,6 +62,14 @@ def places(left: LeftSide, host: Shape) -> int:
     return len(images)
 
 
+def _can_end(left: LeftSide, grammar: Grammar, ending: set[str]) -> bool:
+    """Whether a rule of a left side leads to nothing but left sides that can end."""
+    return any(
+        rule.probability > 0.0 and all(each.name in ending or not places(each, rule.right) for each in grammar.lefts)
+        for rule in left.rules
+    )
+
+
 def _reached(grammar: Grammar) -> set[str]:
     """The left sides that a derivation can come to."""
     reached = {left.name for left in grammar.lefts if places(left, grammar.start)}
@@ -76,5 +79,3 @@ def _reached(grammar: Grammar) -> set[str]:
                 if rule.probability > 0.0:
                     reached |= {each.name for each in grammar.lefts if places(each, rule.right)}
     return reached
-
-

@@ -6,6 +6,7 @@ import math
 import os
 import tomllib
 from collections.abc import Callable, Iterable, Mapping
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -26,8 +27,8 @@ MOST_LINES = 1000
 SUM_TOLERANCE = 1e-6
 """How far probabilities may be from adding up to 1. A choice: six decimals, as in 0.333333."""
 _KEYS = (
-    "about", "source", "terminals", "nonterminals", "markers", "labels", "start", "limit", "under", "free_probabilities",
-    "anchor", "workspace", "filter", "behaviour", "shapes", "rules",
+    "about", "source", "terminals", "nonterminals", "markers", "labels", "start", "limit", "under",
+    "free_probabilities", "anchor", "workspace", "filter", "behaviour", "shapes", "rules",
 )  # fmt: skip
 _TRANSFORMATIONS = Allowed._fields
 
@@ -129,7 +130,7 @@ class _Shapes:
             else:
                 _known(_table(part, where), ("shape", "at", "turn_deg", "scale", "mirror"), f"entry of {where}")
                 if "shape" not in part:
-                    raise InputError(f"{where} = {part!r}: expected the name of a shape in it, as in shape = \"line\"")
+                    raise InputError(f'{where} = {part!r}: expected the name of a shape in it, as in shape = "line"')
                 x, y = _numbers(part.get("at", [0.0, 0.0]), 2, f"at in {where}")
                 (turn,) = _numbers([part.get("turn_deg", 0.0)], 1, f"turn_deg in {where}")
                 (scale,) = _numbers([part.get("scale", 1.0)], 1, f"scale in {where}")
@@ -152,9 +153,11 @@ class _Shapes:
                 ]
                 if len(corners) < 2:
                     raise InputError(f"{where}.lines.{kind} = {polyline!r}: expected two places [x, y] at least")
-                for start, end in zip(corners, corners[1:], strict=False):
+                for start, end in pairwise(corners):
                     if math.dist(start, end) < SHORTEST_M:
-                        raise InputError(f"{where}.lines.{kind}: from {start} to {end} is shorter than {SHORTEST_M:g} m")
+                        raise InputError(
+                            f"{where}.lines.{kind}: from {start} to {end} is shorter than {SHORTEST_M:g} m"
+                        )
                     lines.append([*start, *end])
                     kinds.append(self.kinds.index(kind))
         labels, places = [], []
@@ -221,7 +224,9 @@ def _lefts(given: Any, shapes: _Shapes, default: Allowed) -> tuple[LeftSide, ...
     lefts = []
     for left, several in found.items():
         if any(stated[left]) and not all(stated[left]):
-            raise InputError(f"rules of {left!r}: some have a probability and some have none; expected all or none of them")
+            raise InputError(
+                f"rules of {left!r}: some have a probability and some have none; expected all or none of them"
+            )
         if not any(stated[left]):
             several = [rule._replace(probability=1.0 / len(several)) for rule in several]
         total = math.fsum(rule.probability for rule in several)

@@ -1,8 +1,8 @@
 """Lines of shapes as maximal lines: sum, difference and part (Stiny 1980, section 2).
 
 Lines (L, 4) are x0, y0, x1, y1 in metres, each of a kind (L,). A shape's lines are maximal: two of one kind that lie on
-one another, or end to end in one direction, are one line. So a shape is written in one way only, and a part of a line is
-a part of the shape.
+one another, or end to end in one direction, are one line. So a shape is written in one way only, and a part of a line
+is a part of the shape.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Where a left side matches: all similarities under which it is a sub-shape (Stiny 1980; Krishnamurti 1981).
 
-Two places of a left side and where they go decide a similarity, but for its mirror image. The first is a labelled point,
-or where two of its lines meet when they are prolonged; the second is another labelled point, or the foot of the
+Two places of a left side and where they go decide a similarity, but for its mirror image. The first is a labelled
+point, or where two of its lines meet when they are prolonged; the second is another labelled point, or the foot of the
 perpendicular on another line. So candidates are few, all are found, and each is tried on the whole left side.
 
 A left side whose size or place along a line is left open, as a single line's, has infinitely many matches. Of these the
@@ -60,7 +60,9 @@ def plan(left: Shape, allowed: Allowed, name: str) -> Plan:
         anchor, first = LABEL, int(directed[0]) if directed.size else 0
         at = left.places[first, :2]
     else:
-        corners = [(i, j) for i in range(len(left.kinds)) for j in range(i) if _crossing(left.lines[i], left.lines[j])[0]]
+        corners = [
+            (i, j) for i in range(len(left.kinds)) for j in range(i) if _crossing(left.lines[i], left.lines[j])[0]
+        ]
         if corners:
             anchor, (first, other) = CORNER, corners[0]
             _, x, y = _crossing(left.lines[first], left.lines[other])

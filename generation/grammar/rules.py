@@ -10,7 +10,7 @@ from flocking.errors import InputError
 from flocking.types import Floats
 from generation.grammar.lines import SHORTEST_M
 from generation.grammar.matching import Allowed, Plan, matches, plan
-from generation.grammar.shapes import Shape, added, moved, same, shortest, size, taken
+from generation.grammar.shapes import Shape, added, moved, same, shortest, size
 from generation.primitives import MOST_M
 
 STEPS, LINES = COUNTED = ("steps", "lines")
@@ -104,11 +104,6 @@ def left_side(name: str, shape: Shape, allowed: Allowed, rules: tuple[Rule, ...]
     return LeftSide(name, shape, allowed, plan(shape, allowed, name), rules, max(least, 1e-9))
 
 
-def applied(host: Shape, left: Shape, right: Shape, row: Floats) -> Shape:
-    """[C - t(A)] + t(B): the host C after the rule A -> B under the similarity t (Stiny 1980, section 3)."""
-    return added(taken(host, moved(left, row)), moved(right, row))
-
-
 def kind(left: Shape, right: Shape) -> str:
     """Which of the three rules of Fine 2015, figure 6.2, it is.
 
@@ -139,5 +134,3 @@ def chances(left: LeftSide, weights: dict[str, float] | None) -> list[float]:
         names = ", ".join(rule.name for rule in left.rules)
         raise InputError(f"rules of {left.name!r}: all probabilities are 0; expected one above 0 at least of {names}")
     return [weight / total for weight in given]
-
-

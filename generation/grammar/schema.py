@@ -33,7 +33,11 @@ def schema_of(grammar: Grammar, workspace: Callable[[], Environment]) -> Schema:
 
 
 def parameters_of(grammar: Grammar) -> type:
-    """The `Parameters` of a grammar: `most_steps` or `most_lines`, `least_…` where the limit is drawn, `probability_…`."""
+    """The `Parameters` of a grammar.
+
+    `most_steps` or `most_lines`; `least_steps` or `least_lines` where the limit is drawn; and where the probabilities
+    are free `probability_RULE` of each rule.
+    """
     limit = grammar.limit
     weights = [(rule.name, rule.probability) for _, rule in grammar.rules] if grammar.free else []
     return _parameters(grammar.name, limit.counted, limit.least, limit.most, tuple(weights), grammar.source)
@@ -55,8 +59,12 @@ def _parameters(
     made.__annotations__ = {field: hint for field, (hint, _) in fields.items()}
     made.__module__, made.__doc__ = __name__, f"Of the grammar {name}."
     arguments = (name, counted, least, most, weights, source)
-    made.__reduce__ = lambda self: (_remade, (arguments, tuple(self)))
-    return made  # type: ignore[no-any-return]
+
+    def reduced(self: Any) -> tuple[Any, ...]:
+        return _remade, (arguments, tuple(self))
+
+    made.__reduce__ = reduced  # type: ignore[method-assign]
+    return made
 
 
 def _remade(arguments: tuple[Any, ...], values: tuple[Any, ...]) -> Any:
@@ -64,9 +72,7 @@ def _remade(arguments: tuple[Any, ...], values: tuple[Any, ...]) -> Any:
     return _parameters(*arguments)(*values)
 
 
-def derivation(
-    grammar: Grammar, parameters: Any, workspace: Environment, rng: np.random.Generator
-) -> Derivation:
+def derivation(grammar: Grammar, parameters: Any, workspace: Environment, rng: np.random.Generator) -> Derivation:
     """A derivation with these parameters, from the workspace's marker on that the grammar names.
 
     Raises `InputError` where the least limit is above the most, where the probabilities of a left side are all 0, and
@@ -91,15 +97,17 @@ def _at(grammar: Grammar, workspace: Environment) -> Similarity | None:
     mark = workspace.markers.get(grammar.anchor)
     if not isinstance(mark, Point):
         has = ", ".join(sorted(name for name, mark in workspace.markers.items() if isinstance(mark, Point))) or "none"
-        raise InputError(f"grammar {grammar.name!r} starts at the marker {grammar.anchor!r}; the workspace has the points: {has}")
+        raise InputError(
+            f"grammar {grammar.name!r} starts at the marker {grammar.anchor!r}; the workspace has the points: {has}"
+        )
     return Similarity(turn_rad=mark.heading_rad, x_m=mark.x_m, y_m=mark.y_m)
 
 
 def environment(derivation: Derivation, workspace: Environment) -> Environment:
     """The workspace with the terminals of a derivation as its construct, and with its markers.
 
-    Non-terminals and labels are left out (Fine 2015, section 6.3.1). Of a marker that stands at several places the first
-    has its name, the others are numbered from 2.
+    Non-terminals and labels are left out (Fine 2015, section 6.3.1). Of a marker that stands at several places the
+    first has its name, the others are numbered from 2.
     """
     grammar, shape = derivation.grammar, derivation.shape
     built = shape.lines[shape.kinds < len(grammar.terminals)]
@@ -114,5 +122,10 @@ def environment(derivation: Derivation, workspace: Environment) -> Environment:
         workspace,
         construct=(*workspace.construct, *(Segment(*line) for line in built.tolist())),
         markers={**workspace.markers, **markers},
-        origin={**workspace.origin, "schema": grammar.name, "steps": len(derivation.steps) - 1, "ended": derivation.ended},
+        origin={
+            **workspace.origin,
+            "schema": grammar.name,
+            "steps": len(derivation.steps) - 1,
+            "ended": derivation.ended,
+        },
     )

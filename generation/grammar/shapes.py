@@ -9,8 +9,7 @@ import numpy as np
 
 from flocking.compilation import compiled
 from flocking.types import Floats, Ints
-from generation.grammar import lines as maximal
-
+from generation.grammar.lines import TOLERANCE_M, holds, summed, without
 
 TOLERANCE_RAD = 1e-6
 """Directions nearer to one another than this are one, rad. A choice, as that of places."""
@@ -61,73 +60,92 @@ def shape(lines: Floats, kinds: Ints, labels: Ints, places: Floats) -> Shape:
     return added(EMPTY, Shape(lines, kinds, labels, places))
 
 
-def added(one: Shape, other: Shape) -> Shape:
-    """The sum of two shapes: lines merged to maximal ones, labelled points without doubles."""
-    if not other.kinds.size:
-        lines, kinds = one.lines, one.kinds
-    else:
-        lines, kinds = maximal.summed(one.lines, one.kinds, other.lines, other.kinds)
-    labels, places = list(one.labels.tolist()), list(one.places.tolist())
-    for label, place in zip(other.labels.tolist(), other.places.tolist(), strict=True):
-        if not any(label == a and is_one(*place, *b) for a, b in zip(labels, places, strict=True)):
-            labels.append(label)
-            places.append(place)
-    return Shape(lines, kinds, np.array(labels, np.int64), np.array(places, np.float64).reshape(-1, 3))
-
-
-def taken(one: Shape, other: Shape) -> Shape:
-    """The difference of two shapes: the first without the parts of its lines and the points that the second has."""
-    if not other.kinds.size:
-        lines, kinds = one.lines, one.kinds
-    else:
-        lines, kinds = maximal.without(one.lines, one.kinds, other.lines, other.kinds)
-    gone = list(zip(other.labels.tolist(), other.places.tolist(), strict=True))
-    kept = [
-        k
-        for k, (label, place) in enumerate(zip(one.labels.tolist(), one.places.tolist(), strict=True))
-        if not any(label == a and is_one(*place, *b) for a, b in gone)
-    ]
-    return Shape(lines, kinds, one.labels[kept], one.places[kept])
-
-
-def moved(one: Shape, row: Floats) -> Shape:
-    """A shape under a similarity, given by its numbers (5,)."""
-    c, s, m, x, y = row.tolist()
-    turned = np.array([[c, s], [-s * m, c * m]])
-    lines = (one.lines.reshape(-1, 2) @ turned + (x, y)).reshape(-1, 4)
-    places = one.places.copy()
-    if places.size:
-        places[:, :2] = places[:, :2] @ turned + (x, y)
-        places[:, 2] = math.atan2(s, c) + m * places[:, 2]
-    return Shape(lines, one.kinds, one.labels, places)
-
-
-def part_of(one: Shape, other: Shape) -> bool:
-    """Whether the first is a sub-shape of the second: its lines are parts of lines, its labelled points are there."""
-    for line, kind in zip(one.lines.tolist(), one.kinds.tolist(), strict=True):
-        if not maximal.holds(other.lines, other.kinds, *line, kind):
-            return False
-    has = list(zip(other.labels.tolist(), other.places.tolist(), strict=True))
-    return all(
-        any(label == a and is_one(*place, *b) for a, b in has)
-        for label, place in zip(one.labels.tolist(), one.places.tolist(), strict=True)
-    )
-
-
-def same(one: Shape, other: Shape) -> bool:
-    """Whether two shapes are equal."""
-    return part_of(one, other) and part_of(other, one)
-
-
 @compiled
 def is_one(x: float, y: float, heading: float, u: float, v: float, other: float) -> bool:
     """Whether two places are one: (x, y), with a heading or without (nan), and (u, v)."""
-    if math.hypot(x - u, y - v) > maximal.TOLERANCE_M:
+    if math.hypot(x - u, y - v) > TOLERANCE_M:
         return False
     if math.isnan(heading) or math.isnan(other):
         return math.isnan(heading) and math.isnan(other)
     turns = (heading - other) / (2.0 * math.pi)
     return abs(turns - round(turns)) * 2.0 * math.pi <= TOLERANCE_RAD
+
+
+@compiled
+def has_place(labels: Ints, places: Floats, label: int, place: Floats) -> bool:
+    """Whether one of these labelled points has this label and this place (3,)."""
+    for k in range(labels.size):
+        if labels[k] == label and is_one(places[k, 0], places[k, 1], places[k, 2], place[0], place[1], place[2]):
+            return True
+    return False
+
+
+@compiled
+def added(one: Shape, other: Shape) -> Shape:
+    """The sum of two shapes: lines merged to maximal ones, labelled points without doubles."""
+    lines, kinds = summed(one.lines, one.kinds, other.lines, other.kinds)
+    most = one.labels.size + other.labels.size
+    labels, places = np.empty(most, np.int64), np.empty((most, 3))
+    count = one.labels.size
+    labels[:count], places[:count] = one.labels, one.places
+    for k in range(other.labels.size):
+        if not has_place(labels[:count], places[:count], other.labels[k], other.places[k]):
+            labels[count], places[count] = other.labels[k], other.places[k]
+            count += 1
+    return Shape(lines, kinds, labels[:count].copy(), places[:count].copy())
+
+
+@compiled
+def taken(one: Shape, other: Shape) -> Shape:
+    """The difference of two shapes: the first without the parts of its lines and the points that the second has."""
+    lines, kinds = without(one.lines, one.kinds, other.lines, other.kinds)
+    labels, places = np.empty(one.labels.size, np.int64), np.empty((one.labels.size, 3))
+    count = 0
+    for k in range(one.labels.size):
+        if not has_place(other.labels, other.places, one.labels[k], one.places[k]):
+            labels[count], places[count] = one.labels[k], one.places[k]
+            count += 1
+    return Shape(lines, kinds, labels[:count].copy(), places[:count].copy())
+
+
+@compiled
+def moved(one: Shape, row: Floats) -> Shape:
+    """A shape under a similarity, given by its numbers (5,)."""
+    c, s, m, tx, ty = row
+    lines, places = np.empty_like(one.lines), np.empty_like(one.places)
+    for k in range(one.kinds.size):
+        for end in range(0, 4, 2):
+            x, y = one.lines[k, end], one.lines[k, end + 1]
+            lines[k, end], lines[k, end + 1] = c * x - s * m * y + tx, s * x + c * m * y + ty
+    for k in range(one.labels.size):
+        x, y, heading = one.places[k]
+        places[k, 0], places[k, 1] = c * x - s * m * y + tx, s * x + c * m * y + ty
+        places[k, 2] = math.atan2(s, c) + m * heading
+    return Shape(lines, one.kinds.copy(), one.labels.copy(), places)
+
+
+@compiled
+def applied(host: Shape, left: Shape, right: Shape, row: Floats) -> Shape:
+    """[C - t(A)] + t(B): the shape C after the rule A -> B under the similarity t (Stiny 1980, section 3)."""
+    return added(taken(host, moved(left, row)), moved(right, row))
+
+
+@compiled
+def part_of(one: Shape, other: Shape) -> bool:
+    """Whether the first is a sub-shape of the second: its lines are parts of lines, its labelled points are there."""
+    for k in range(one.kinds.size):
+        x0, y0, x1, y1 = one.lines[k]
+        if not holds(other.lines, other.kinds, x0, y0, x1, y1, one.kinds[k]):
+            return False
+    for k in range(one.labels.size):  # noqa: SIM110 (a generator is not compiled)
+        if not has_place(other.labels, other.places, one.labels[k], one.places[k]):
+            return False
+    return True
+
+
+def same(one: Shape, other: Shape) -> bool:
+    """Whether two shapes are equal."""
+    return bool(part_of(one, other) and part_of(other, one))
 
 
 def size(one: Shape) -> float:

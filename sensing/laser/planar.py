@@ -165,6 +165,17 @@ def in_laser_frame(shapes: Shapes, p: int, poses: Floats, laser: Pose) -> tuple[
 
 
 @borrowing
+def out_of_range(shapes: Shapes, p: int, laser: Pose, max_range_m: float) -> bool:
+    """Whether shape p is fixed in the world and no part of it is in range; most of a large plan's walls are not."""
+    if shapes.frames[p] >= 0:
+        return False
+    shape = shapes.outlines[p]
+    dx, dy = shape[0] - laser[0], shape[1] - laser[1]
+    reach = max_range_m + shape[4] + shape[5]  # the half sizes' sum is more than half a diagonal, or a radius
+    return bool(dx * dx + dy * dy > reach * reach)
+
+
+@borrowing
 def face(side: int, ux: float, uy: float, a: float, b: float) -> tuple[float, float, float, float]:
     """Outward normal of one side of a rectangle, its distance from the centre, and half its length."""
     if side == 0:
@@ -233,7 +244,7 @@ def cast(
     nearness[:] = 1.0 / max_range_m
     surfaces[:] = -1
     for p in range(len(shapes.outlines)):
-        if shapes.owners[p] == own and own >= 0:
+        if (shapes.owners[p] == own and own >= 0) or out_of_range(shapes, p, laser, max_range_m):
             continue
         cx, cy, ux, uy = in_laser_frame(shapes, p, poses, laser)
         a, b = shapes.outlines[p, 4], shapes.outlines[p, 5]
@@ -291,7 +302,7 @@ def cast_one(i: int, laser: Pose, own: int, max_range_m: float, poses: Floats, s
     ex, ey = COSINES[i], SINES[i]
     nearest, surface = 1.0 / max_range_m, -1
     for p in range(len(shapes.outlines)):
-        if shapes.owners[p] == own and own >= 0:
+        if (shapes.owners[p] == own and own >= 0) or out_of_range(shapes, p, laser, max_range_m):
             continue
         cx, cy, ux, uy = in_laser_frame(shapes, p, poses, laser)
         a, b = shapes.outlines[p, 4], shapes.outlines[p, 5]

@@ -119,7 +119,7 @@ _OF_RUN: dict[str, type] = {
     "experiment": _TEXT, "command": _TEXT, "repeats": _WHOLE, "seed": _WHOLE, "settings": _TABLE, "sweep": _TABLE,
     "record": _TEXT, "scans": _TEXT, "started": _TEXT, "versions": _TABLE, "commit": _TEXT, "sources": _TEXT,
     "cpu": _TEXT, "system": _TEXT, "laws": _TABLE, "trials": list, "until_decided": _TABLE,
-    "conditions": _TABLE, "notes": list, "only": _TEXT, "law": _TEXT, "pipeline": _TEXT, "body": _TEXT,
+    "conditions": _TABLE, "notes": list, "only": _TEXT, "law": _TEXT, "pipeline": _TEXT, "body": _TEXT, "world": _TEXT,
 }  # fmt: skip
 
 

@@ -65,6 +65,7 @@ class Asked:
     until_decided: bool = False
     """Whether repeats are added in blocks of `repeats` until each claim is decided."""
     budget: Budget = NO_BUDGET
+    world: str | None = None
 
     def command(self) -> str:
         """The command that plans the same trials, whichever of them it then runs."""
@@ -73,7 +74,7 @@ class Asked:
             words += ["--repeats", str(self.repeats)]
         if self.seed != DEFAULT_SEED:
             words += ["--seed", str(self.seed)]
-        for name in ("law", "pipeline", "body"):
+        for name in ("law", "pipeline", "body", "world"):
             if getattr(self, name) is not None:
                 words += [f"--{name}", getattr(self, name)]
         for key, value in self.settings.items():
@@ -99,6 +100,7 @@ def planned(asked: Asked) -> tuple[Plan, list[Trial]]:
         law=asked.law,
         pipeline=asked.pipeline,
         body=asked.body,
+        world=asked.world,
         most_by="--budget" if asked.until_decided else "--repeats",
     )
     if asked.scans == "all" and not any(simulations.of(trial).has_scans for trial in made.trials):
@@ -162,6 +164,7 @@ def start(asked: Asked, out: Path | None, jobs: int, report: Report, cluster: st
         "law": asked.law,
         "pipeline": asked.pipeline,
         "body": asked.body,
+        "world": asked.world,
         "only": ranges(asked.only) if asked.only is not None else None,
         "record": asked.record or record_of(asked.experiment),
         "scans": asked.scans,

@@ -62,6 +62,12 @@ Cluster = Annotated[
 Law = Annotated[str | None, Option(help="Another law: its name or the path of your own file.")]
 Pipeline = Annotated[str | None, Option(help="Another member detection.")]
 Body = Annotated[str | None, Option(help="Another robot: its name or the path of your own folder.")]
+World = Annotated[
+    str | None,
+    Option(
+        metavar="WORLD", help="Another world: its name, or the path of an environment, a plan or your own file."
+    ),
+]
 Settings = Annotated[
     list[str] | None, Option("--set", metavar="KEY=VALUE", help="Sets a parameter; VALUE is TOML. May be repeated.")
 ]
@@ -130,6 +136,7 @@ def show(
     law: Law = None,
     pipeline: Pipeline = None,
     body: Body = None,
+    world: World = None,
     settings: Settings = None,
     sweep: Sweeps = None,
 ) -> None:
@@ -141,7 +148,15 @@ def show(
     from trials.commands import lawcheck, listing, options
 
     asked = Asked(
-        experiment, repeats, seed, options.settings(settings or []), options.sweeps(sweep or []), law, pipeline, body
+        experiment,
+        repeats,
+        seed,
+        options.settings(settings or []),
+        options.sweeps(sweep or []),
+        law,
+        pipeline,
+        body,
+        world=world,
     )
     lawcheck.check_all(asked)
     print(listing.planned(*planned(asked)))
@@ -168,6 +183,7 @@ def run(
     law: Law = None,
     pipeline: Pipeline = None,
     body: Body = None,
+    world: World = None,
     settings: Settings = None,
     sweep: Sweeps = None,
     dry_run: Annotated[bool, Option("--dry-run", help="Only shows what would run.")] = False,
@@ -203,6 +219,7 @@ def run(
         scans,
         until_decided,
         deciding.budget(budget) if budget is not None else deciding.NO_BUDGET,
+        world,
     )
     lawcheck.check_all(asked)
     if dry_run:
@@ -279,6 +296,7 @@ def world(
     experiment: Experiment,
     out: Annotated[Path, Option(metavar="FILE", help="Where to write the MJCF.")],
     repeat: Annotated[int, Option(parser=_whole(1), metavar="R", help="Whose starting formation.")] = 1,
+    world_: Annotated[str | None, Option("--world", metavar="WORLD", help="Another world, as of `herd run`.")] = None,
     settings: Settings = None,
 ) -> None:
     """Writes an experiment's world for MuJoCo's viewer.
@@ -293,7 +311,7 @@ def world(
     from trials.commands import lawcheck, options
     from trials.invoked import command
 
-    asked = Asked(experiment, repeats=repeat, settings=options.settings(settings or []))
+    asked = Asked(experiment, repeats=repeat, settings=options.settings(settings or []), world=world_)
     lawcheck.check_all(asked)
     made, _ = planned(asked)
     chosen = next(trial for trial in made.trials if trial.repeat == repeat)

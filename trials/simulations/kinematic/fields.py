@@ -18,9 +18,11 @@ from flocking.errors import InputError, unknown_name
 from flocking.kinematic.bands import MOST_M
 from flocking.parameters import Parameter, declared, filled
 from flocking.taxonomy import USUAL_HERD, Herd
+from generation.environment import Environment
 from trials.rows import below
 from trials.simulations.kinematic import lattice_starts, links
 from trials.types import Group, Trial, Value
+from worlds import known
 
 NAME = "kinematic"
 OPEN = math.nan
@@ -48,6 +50,11 @@ _NO_HERD = (
     f"a choice, for the law's file has no HERD: {USUAL_HERD.spacing_m:g} m, {USUAL_HERD.speed_m_s:g} m/s, "
     f"{USUAL_HERD.dt_s:g} s"
 )
+
+
+def world_names() -> list[str]:
+    """The worlds of a kinematic trial: spaces, and the worlds that robots have as well."""
+    return [*SPACES, *known.names()]
 
 
 class TrialFields(NamedTuple):
@@ -101,7 +108,7 @@ class TrialFields(NamedTuple):
 class NameFields(NamedTuple):
     """The names of a kinematic trial's world and formation."""
 
-    world: Annotated[str, Parameter("", _LAW, choices=SPACES)] = OWN_SPACE
+    world: Annotated[str, Parameter("", _LAW, named=world_names, paths=True)] = OWN_SPACE
     formation: Annotated[str, Parameter("", "a choice", choices=FORMATIONS)] = "uniform"
 
 
@@ -352,17 +359,31 @@ def of_group(group: Group) -> GroupFields:
 
 
 def space_of(trial: Trial) -> str:
-    """The name of a trial's world, which may be that of the law's own herd. Raises `InputError` without groups."""
+    """The name of a trial's space, which may be that of the law's own herd. Raises `InputError` without groups.
+
+    An environment stands in the unbounded plane.
+    """
     if not trial.groups:
         raise InputError("the trial has no members: expected at least one group")
-    return own_herd(trial.groups[0]).space if trial.world == OWN_SPACE else trial.world
+    if trial.world == OWN_SPACE:
+        return own_herd(trial.groups[0]).space
+    return trial.world if trial.world in SPACES else "unbounded"
+
+
+def environment_of(trial: Trial) -> Environment | None:
+    """What stands in a trial's world; None for a space without an environment. Raises `InputError`."""
+    if trial.world in SPACES:
+        return None
+    return known.environment_of(trial.world, trial.world_source, trial.world_parameters)
 
 
 def world_parameters(trial: Trial) -> type:
     """What the trial's world can be given. Raises `InputError` for a world that there is not."""
-    if trial.world not in SPACES:
-        raise unknown_name("world", trial.world, SPACES)
-    return WORLD_PARAMETERS[space_of(trial)]
+    if trial.world in SPACES:
+        return WORLD_PARAMETERS[space_of(trial)]
+    if not known.is_file(trial.world) and trial.world not in known.names():
+        raise unknown_name("world", trial.world, world_names())
+    return known.load(trial.world, trial.world_source).parameters
 
 
 def formation_parameters(trial: Trial) -> type:
@@ -375,6 +396,9 @@ def formation_parameters(trial: Trial) -> type:
 def world_of(trial: Trial) -> Any:
     """The world's parameters, filled in."""
     fields = filled(world_parameters(trial), trial.world_parameters, prefix="world.")
+    if trial.world not in SPACES:
+        its = known.load(trial.world, trial.world_source)
+        return its.parameters(**its.values(fields._asdict()))
     if not hasattr(fields, "size_m"):
         return fields
     count = sum(group.count for group in trial.groups)

@@ -21,6 +21,7 @@ from trials.simulations import spread
 from trials.simulations.kinematic import fields, formations, lattice_starts
 from trials.streams import Purpose, stream
 from trials.types import Group, Trial
+from worlds import starts
 
 BEARINGS_ALONE = frozenset({"bearings", "positions", "ids"})
 """What is known of neighbours where poses are not: a position then stands at the assumed distance."""
@@ -51,6 +52,8 @@ def assemble(trial: Trial) -> Herd:
     space = _space(trial)
     poses_w, speeds = _start(trial, space)
     centre = np.zeros(2) if space.kind == "unbounded" else np.full(2, space.size_m / 2.0)
+    if (environment := fields.environment_of(trial)) is not None:
+        centre = starts.put_at_start(environment, np.zeros((1, 3)))[0, :2]
     whole = [_band(trial, number, centre) for number in range(len(trial.groups))]
     kinds = [2 * g + (np.isfinite(_goals(band)).all(axis=1)) for g, band in enumerate(whole)]
     bands = _parts(whole, trial.groups)
@@ -84,22 +87,27 @@ def check(trial: Trial) -> None:
             f"{count} members at {given.steps // every + 1} moments: expected at most {MOST_KEPT} positions "
             f"to keep, as with --set every={math.ceil(count * given.steps / MOST_KEPT)}"
         )
-    for number, group in enumerate(trial.groups):
-        if group.pipeline not in fields.DETECTIONS:
-            raise unknown_name("pipeline", group.pipeline, fields.DETECTIONS)
-        own = fields.of_group(group)
-        obstacle_selection.parse(own.obstacle_selection)
-        if own.leaders > group.count:
-            raise InputError(
-                f"{group.name}.leaders = {own.leaders}: expected at most the {group.count} members there are"
-            )
-        if _check_law(group) & {Step.GRAPH, Step.VORONOI}:
-            check_linked(count)
-        spread.check(trial, number, group.law_parameters)
+    for number in range(len(trial.groups)):
+        check_group(trial, number)
     fields.formation_of(trial)
     space, _ = fields.space_of(trial), fields.world_of(trial)
     if trial.formation in lattice_starts.NAMES:
         lattice_starts.check(space)
+    fields.environment_of(trial)
+
+
+def check_group(trial: Trial, number: int) -> None:
+    """Refuses the group of that number where its names and numbers do not fit one another: `InputError`."""
+    group = trial.groups[number]
+    if group.pipeline not in fields.DETECTIONS:
+        raise unknown_name("pipeline", group.pipeline, fields.DETECTIONS)
+    own = fields.of_group(group)
+    obstacle_selection.parse(own.obstacle_selection)
+    if own.leaders > group.count:
+        raise InputError(f"{group.name}.leaders = {own.leaders}: expected at most the {group.count} members there are")
+    if _check_law(group) & {Step.GRAPH, Step.VORONOI}:
+        check_linked(sum(each.count for each in trial.groups))
+    spread.check(trial, number, group.law_parameters)
 
 
 def check_start(trial: Trial) -> None:
@@ -107,11 +115,22 @@ def check_start(trial: Trial) -> None:
 
     Nothing is drawn where they do whatever is drawn.
     """
+    if (environment := fields.environment_of(trial)) is not None:
+        starts.check(members_of(trial), environment)
+        return
     if trial.formation in ("uniform", *lattice_starts.NAMES) or fields.space_of(trial) == "unbounded":
         return
     count = sum(group.count for group in trial.groups)
     if formations.widest_m(trial.formation, fields.formation_of(trial), count) > fields.world_of(trial).size_m:
         _start(trial, _space(trial))
+
+
+def members_of(trial: Trial) -> starts.Starting:
+    """The members of a trial at their start."""
+    poses_w, _ = _start(trial, _space(trial))
+    names = [f"{group.name}-{k + 1}" for group in trial.groups for k in range(group.count)]
+    radii = np.repeat([fields.of_group(group).radius_m for group in trial.groups], [g.count for g in trial.groups])
+    return starts.Starting(names, poses_w, radii, np.ones(len(names), np.bool_))
 
 
 def _check_law(group: Group) -> set[Step]:
@@ -135,7 +154,13 @@ def _check_law(group: Group) -> set[Step]:
 
 
 def _start(trial: Trial, space: Space) -> tuple[Floats, Floats]:
-    """Poses (N, 3) and speeds (N,) at the start."""
+    """Poses (N, 3) and speeds (N,) at the start: in an environment, about its start."""
+    poses_w, speeds = _drawn_start(trial, space)
+    environment = fields.environment_of(trial)
+    return (poses_w if environment is None else starts.put_at_start(environment, poses_w)), speeds
+
+
+def _drawn_start(trial: Trial, space: Space) -> tuple[Floats, Floats]:
     count = sum(group.count for group in trial.groups)
     rng = stream(trial.seed, trial.repeat, 0, 0, Purpose.START)
     given = fields.formation_of(trial)
@@ -148,6 +173,8 @@ def _start(trial: Trial, space: Space) -> tuple[Floats, Floats]:
 
 
 def _space(trial: Trial) -> Space:
+    if (environment := fields.environment_of(trial)) is not None:
+        return Space(walls=environment.walls())
     kind, given = fields.space_of(trial), fields.world_of(trial)
     if kind == "unbounded":
         return Space()

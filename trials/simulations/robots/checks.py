@@ -27,7 +27,7 @@ from trials.simulations.robots.log import SAMPLE_S
 from trials.simulations.robots.resolved import Resolved
 from trials.simulations.robots.starts import check_starts, starting_poses
 from trials.types import Trial, compared
-from worlds.starts import Herd
+from worlds.starts import Starting
 
 
 def check(trial: Trial) -> None:
@@ -91,7 +91,7 @@ def _check_start(start: _Start) -> None:
     _check_reach(trial, given, poses_w, free, fastest, widest)
     names = [f"{group.name}-{k + 1}" for group in trial.groups for k in range(group.count)]
     together = np.repeat([its.given.formation == TOGETHER for its in groups], [its.given.count for its in groups])
-    check_starts(Herd(names, poses_w, radii, together), environment_of(trial))
+    check_starts(Starting(names, poses_w, radii, together), environment_of(trial))
 
 
 def _check_sensors(its: Resolved, groups: Sequence[Resolved]) -> None:

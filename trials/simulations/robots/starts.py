@@ -50,7 +50,7 @@ def starting_poses(trial: Trial) -> Floats:
     return np.concatenate(parts)
 
 
-def check_starts(herd: starts.Herd, environment: Environment) -> None:
+def check_starts(herd: starts.Starting, environment: Environment) -> None:
     """Refuses robots that overlap one another or a wall at the start, or that walls keep apart: `InputError`."""
     names, radii, places = herd.names, herd.radii, herd.poses_w[:, :2]
     apart = cdist(places, places) - radii[:, None] - radii[None, :]

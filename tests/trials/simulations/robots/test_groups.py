@@ -19,7 +19,7 @@ from trials.simulations.robots import fields
 from trials.simulations.robots.herd import assemble
 from trials.simulations.robots.starts import check_starts, starting_poses
 from trials.types import Trial
-from worlds.starts import Herd
+from worlds.starts import Starting
 
 EXPERIMENT = '''
 """A pursuer beside a herd."""
@@ -149,9 +149,9 @@ def test_a_start_in_a_pillar_is_named_as_inside_a_wall() -> None:
     pillar = Environment((Polygon(((0, -1), (0, 1), (2, 1), (2, -1))),))
     start, beside, radii = np.array([[1.0, 0.0, 0.0]]), np.array([[3.0, 0.0, 0.0]]), np.array([0.165])
     alone = np.array([True])
-    check_starts(Herd(["herd-1"], beside, radii, alone), pillar)
+    check_starts(Starting(["herd-1"], beside, radii, alone), pillar)
     with pytest.raises(InputError, match=r"herd-1 starts at \(1.00, 0.00\) m, inside a wall"):
-        check_starts(Herd(["herd-1"], start, radii, alone), pillar)
+        check_starts(Starting(["herd-1"], start, radii, alone), pillar)
 
 
 def test_each_group_has_streams_of_its_own() -> None:

@@ -1,0 +1,65 @@
+"""The environments of a trial, where its herd starts, and the herd: all of it from the trial's names and numbers."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from flocking.errors import InputError
+from flocking.types import Floats
+from generation.environment import START, Environment
+from generation.group import Job
+from generation.primitives import Point
+from trials.simulations.environments import fields
+from trials.simulations.environments.members import Members
+from trials.simulations.kinematic import fields as of_members
+from trials.simulations.kinematic import herd as kinematic
+from trials.streams import Purpose, stream
+from trials.types import Trial
+
+
+def environment(trial: Trial, number: int, chosen: fields.Chosen) -> Environment:
+    """The environment of that number (from 0) of a trial: the same whatever its herd, behaviour and filter.
+
+    Raises `InputError` where the schema fails.
+    """
+    rng = stream(trial.seed, trial.repeat, 0, number, Purpose.WORLD)
+    return chosen.schema.generate(chosen.of_schema, chosen.schema.workspace(), rng)
+
+
+def without_construct(whole: Environment) -> Environment:
+    """The control: the workspace alone, with the same markers."""
+    return Environment(whole.workspace, (), whole.markers, whole.reflectance, whole.origin)
+
+
+def start(trial: Trial, number: int, whole: Environment) -> Floats:
+    """(N, 3) where the members start in the environment of that number: in the square about its marker `start`.
+
+    Raises `InputError` where that marker is no point.
+    """
+    given = fields.formation_of(trial)
+    count = sum(group.count for group in trial.groups)
+    rng = stream(trial.seed, trial.repeat, 0, number, Purpose.START)
+    places = given.size_m * rng.uniform(-0.5, 0.5, (count, 2))
+    spread = math.radians(given.heading_spread_deg)
+    headings = rng.uniform(-spread, spread, count)
+    at = whole.markers.get(START, Point())
+    if not isinstance(at, Point):
+        raise InputError(f"marker {START!r} of an environment of {trial.world!r} is {at!r}: expected a point")
+    c, s = math.cos(at.heading_rad), math.sin(at.heading_rad)
+    x, y = places.T
+    return np.column_stack([at.x_m + c * x - s * y, at.y_m + s * x + c * y, at.heading_rad + headings])
+
+
+def job(trial: Trial, number: int, whole: Environment) -> Job:
+    """The simulation of the trial's herd in the environment of that number, or in its control."""
+    return Job(whole, start(trial, number, whole), (trial.seed, trial.repeat, number, int(Purpose.LAW)))
+
+
+def group(trial: Trial) -> Members:
+    """The herd of a trial. Raises `InputError` for names and numbers that do not exist or fit."""
+    speeds = np.repeat(
+        [of_members.of_group(group).speed_m_s for group in trial.groups], [group.count for group in trial.groups]
+    )
+    return Members(tuple(kinematic.bands_of(trial, np.zeros(2))), fields.of_trial(trial).timestep_s, speeds)

@@ -1,0 +1,178 @@
+"""Runs a trial of generated environments: generates them, filters them, and puts its herd into those that pass.
+
+Each environment that passes is simulated twice with the same start and the same random numbers: as it is, and as its
+control, the workspace without the construct. A rate of success alone says nothing of environments: its uplift over the
+control does.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flocking.errors import InputError
+from flocking.kinematic import LawFailedError
+from flocking.types import Bools, Floats
+from generation.environment import Environment
+from trials.simulations import watch
+from trials.simulations.environments import fields, herds
+from trials.simulations.environments.measures import measure
+from trials.simulations.environments.members import Members
+from trials.types import Trial, TrialResult, no_contacts, no_updates
+
+AT_ONCE = 100
+"""Environments whose simulations are held at a time."""
+MOST_MOMENTS = 101
+"""Moments of an example that are kept."""
+
+
+@dataclasses.dataclass
+class _Found:
+    """What is known of a trial's E environments."""
+
+    passed: Bools
+    """(E,)."""
+    fitness: Floats
+    """(E,) nan where the environment did not pass."""
+    control: Floats
+    """(E,) of the workspace alone, likewise."""
+    fence_m: Floats
+    """(E,) length of the construct."""
+    terminals: NDArray[np.int64]
+    """(E,) primitives of the construct."""
+    walls: list[Floats]
+    """(W, 4) of each, m."""
+    examples: list[tuple[int, Floats]]
+    """Numbers of the first valid environments, with the positions (T, N, 2) of the herd in each."""
+
+
+def run_trial(trial: Trial, scans: str = "none", reraise: bool = False, folder: Path | None = None) -> TrialResult:
+    """Runs one trial and measures it; the same `Trial` gives the same result.
+
+    A law or a behaviour that gives what it must not ends the trial: `outcome` is then `failed`, `reason` says why, and
+    what was found until then is kept; with `reraise` the error is raised instead. Raises `InputError` for a trial that
+    cannot be set up.
+    """
+    began = perf_counter()
+    chosen, group = fields.chosen_by(trial), herds.group(trial)
+    count = fields.of_trial(trial).environments
+    found = _Found(
+        np.zeros(count, np.bool_),
+        np.full(count, np.nan),
+        np.full(count, np.nan),
+        np.full(count, np.nan),
+        np.zeros(count, np.int64),
+        [],
+        [],
+    )
+    built, outcome, reason = perf_counter(), "done", ""
+    try:
+        with watch.watched():
+            for first in range(0, count, AT_ONCE):
+                _judge(trial, range(first, min(first + AT_ONCE, count)), chosen, group, found)
+    except (LawFailedError, InputError) as error:
+        if reraise:
+            raise
+        outcome, reason = "failed", " ".join(str(error).split())
+    result = _result(trial, chosen, found, outcome, reason)
+    timing = {"build_s": built - began, "loop_s": perf_counter() - built}
+    measures = measure(found, chosen.behaviour) if outcome == "done" else {}
+    return dataclasses.replace(result, measures=measures, timing=timing)
+
+
+def _judge(trial: Trial, numbers: Sequence[int], chosen: fields.Chosen, group: Members, found: _Found) -> None:
+    """Generates the environments of these numbers and judges those that pass the filter."""
+    passing: list[tuple[int, Environment]] = []
+    for number in numbers:
+        whole = herds.environment(trial, number, chosen)
+        found.walls.append(whole.walls())
+        found.fence_m[number], found.terminals[number] = whole.fence_length(), len(whole.construct)
+        found.passed[number] = chosen.filter is None or chosen.filter.accepts(whole, chosen.of_filter)
+        if found.passed[number]:
+            passing.append((number, whole))
+        watch.breathe(number)
+    most = fields.of_trial(trial).examples
+    for number, whole, positions in _ways(trial, passing, chosen, group):
+        found.fitness[number] = chosen.behaviour.judged(positions, whole, chosen.of_behaviour)
+        if len(found.examples) < most and chosen.behaviour.succeeds(found.fitness[number]):
+            found.examples.append((number, positions.copy()))
+        watch.breathe(number)
+    controls = [(number, herds.without_construct(whole)) for number, whole in passing]
+    for number, empty, positions in _ways(trial, controls, chosen, group):
+        found.control[number] = chosen.behaviour.judged(positions, empty, chosen.of_behaviour)
+        watch.breathe(number)
+
+
+def _ways(
+    trial: Trial, passing: Sequence[tuple[int, Environment]], chosen: fields.Chosen, group: Members
+) -> Iterator[tuple[int, Environment, Floats]]:
+    jobs = [herds.job(trial, number, whole) for number, whole in passing]
+    for (number, whole), positions in zip(passing, group.trajectories(jobs, chosen.iterations), strict=True):
+        yield number, whole, positions
+
+
+def _result(trial: Trial, chosen: fields.Chosen, found: _Found, outcome: str, reason: str) -> TrialResult:
+    """A result whose way is that of the first example; members that never moved where there is none."""
+    count = sum(group.count for group in trial.groups)
+    moments, kept = np.zeros(1), np.zeros((0, 1, count, 2))
+    if found.examples:
+        steps = len(found.examples[0][1])
+        picked = np.unique(np.linspace(0, steps - 1, min(steps, MOST_MOMENTS)).round().astype(np.int64))
+        kept = np.array([way[picked] for _, way in found.examples])
+        moments = picked * fields.of_trial(trial).timestep_s
+    number = found.examples[0][0] if found.examples else 0
+    shown = herds.environment(trial, number, chosen)
+    poses_w = poses_of(kept[0]) if len(kept) else herds.start(trial, number, shown)[None]
+    return TrialResult(
+        trial=trial,
+        times=moments,
+        poses_w=poses_w,
+        odometry=np.empty((0, count, 3)),
+        bumpers=np.empty((0, count, 2), np.bool_),
+        robot_names=tuple(f"{group.name}-{k + 1}" for group in trial.groups for k in range(group.count)),
+        radii=np.repeat(
+            [band.radius_m for band in herds.group(trial).bands], [b.count for b in herds.group(trial).bands]
+        ),
+        rules=(),
+        walls_w=shown.walls(),
+        period_m=np.nan,
+        updates=no_updates(count),
+        contacts=no_contacts(),
+        scans=None,
+        measures={},
+        outcome=outcome,
+        reason=reason,
+        timing={},
+        tables={
+            "passed": found.passed,
+            "fitness": found.fitness,
+            "control": found.control,
+            "fence_m": found.fence_m,
+            "terminals": found.terminals,
+            "walls": np.concatenate([np.empty((0, 4)), *found.walls]),
+            "wall_ends": np.cumsum([0, *(len(walls) for walls in found.walls)]),
+            "example_numbers": np.array([number for number, _ in found.examples], np.int64),
+            "example_ways": kept.astype(np.float32),
+        },
+    )
+
+
+def walls_of(tables: Mapping[str, NDArray[Any]], number: int) -> Floats:
+    """(W, 4) the walls of the environment of that number (from 0), m, from a result's tables."""
+    ends = tables["wall_ends"]
+    walls: Floats = tables["walls"][ends[number] : ends[number + 1]]
+    return walls
+
+
+def poses_of(positions: Floats) -> Floats:
+    """(T, N, 3) positions (T, N, 2) and the directions of the ways there; at the start, of the first step."""
+    moves = np.diff(positions, axis=0)
+    headings = np.arctan2(moves[..., 1], moves[..., 0])
+    headings = np.concatenate([headings[:1], headings]) if len(moves) else np.zeros(positions.shape[:2])
+    return np.concatenate([positions, np.unwrap(headings, axis=0)[..., None]], axis=-1)

@@ -1,0 +1,1 @@
+"""Parameter-space maps of schemas: one trial is one map."""
