@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -17,9 +17,11 @@ import numpy as np
 from flocking.errors import InputError
 from flocking.measures.groups import group_labels
 from flocking.types import Floats, Ints
-from generation.environment import START, Environment
+from generation.environment import Environment
 from generation.group import Group, Job
-from generation.primitives import Point, Polygon, Polyline, Primitive, Segment, places
+from generation.primitives import Polygon, Polyline, Primitive, Segment, places
+from generation.validation.starts import Starts, axis, mirrored, poses
+from generation.validation.validate import empty
 
 JOINED_M = 1e-6
 """Primitives of a construct whose ends are this near are one fence. A choice."""
@@ -32,9 +34,6 @@ STRUCTURE = 0.5
 MOST_CLUSTERS = 8
 """A choice."""
 START_SEED, MEMBERS_SEED = range(2)
-
-Starts = Callable[[Environment, int, np.random.Generator], tuple[Floats, Floats]]
-"""Of an environment and a number of members: a start (N, 3) and its mirror image."""
 
 
 class Piece(NamedTuple):
@@ -174,13 +173,15 @@ def elicited(
     Starts come in mirrored pairs, as in a search. `cut_m`: members farther apart are of different groups.
     """
     alone = [dataclasses.replace(whole, construct=piece.primitives) for piece in pieces]
-    alone.append(dataclasses.replace(whole, construct=()))
+    alone.append(empty(whole))
     jobs = []
     for environment in alone:
         for k in range(simulations):
-            pair = starts(environment, group.count, np.random.default_rng([*seed, k // 2, START_SEED]))
-            jobs.append(Job(environment, pair[k % 2], (*seed, k, MEMBERS_SEED)))
-    heading = start_direction(whole)
+            rng = np.random.default_rng([*seed, k // 2, START_SEED])
+            placed = poses(alone[-1], group.count, starts, rng)
+            placed = mirrored(placed, axis(whole)) if k % 2 else placed
+            jobs.append(Job(environment, placed, (*seed, k // 2, MEMBERS_SEED)))
+    heading = axis(whole).heading_rad
     rows = [features(way, heading, cut_m) for way in group.trajectories(jobs, iterations)]
     each = np.array(rows).reshape(len(alone), simulations, len(FEATURES))
     return Elicited(each[:-1], each[-1])
@@ -250,14 +251,6 @@ def silhouette(distances: Floats, labels: Ints) -> float:
     widest = np.maximum(inside, nearest)
     each = np.where((sizes[own] > 1) & (widest > 0.0), (nearest - inside) / np.where(widest > 0.0, widest, 1.0), 0.0)
     return float(each.mean())
-
-
-def start_direction(environment: Environment) -> float:
-    """The direction of the marker `start`, rad; 0 without one. Raises `InputError` where it is no point."""
-    start = environment.markers.get(START, Point())
-    if not isinstance(start, Point):
-        raise InputError(f"marker {START!r} is no point: expected a point with a direction")
-    return start.heading_rad
 
 
 def _arc_lengths(along: Floats) -> Floats:

@@ -2,11 +2,12 @@
 
 The robustness of a schema's parameters is the success rate of the environments that they generate: the share of
 simulations in which the herd shows the behaviour, each with a start of its own, with a construct whose ends are moved
-at random, and with one of several group sizes in turn. Starts come in pairs, one and its mirror image about the herd's
+at random (`generation.validation.robustness`, which has it kind by kind), and with one of several group sizes in turn.
+Starts come in pairs, one and its mirror image about the herd's
 direction: in a symmetric workspace without a construct a turn to one side then has a robustness of at most a half.
 A stochastic schema generates a new construct for each simulation, so that its parameters are judged and no draw of it.
 
-Simulation k has the same random numbers whatever the parameters, so that two of them differ by their environments
+Members of a start and of its mirror image draw the same. Simulation k has the same random numbers whatever the parameters, so that two of them differ by their environments
 alone, and the robustness is a function. What is the best of many by luck of its draws is found out by another `seed`.
 """
 
@@ -26,11 +27,11 @@ from generation.group import Group, Job
 from generation.schema import Schema
 from generation.searches import descriptors
 from generation.searches.methods import Answer
-from generation.searches.perturbing import perturbed
 from generation.searches.spaces import Space
+from generation.validation.robustness import perturbed
+from generation.validation.starts import Starts, axis, mirrored, poses
+from generation.validation.validate import empty
 
-Starts = Callable[[Environment, int, np.random.Generator], tuple[Floats, Floats]]
-"""Of an environment and a number of members: a start (N, 3) and its mirror image."""
 START, CONSTRUCT, ENDS, MEMBERS = range(4)
 """What the random numbers of one simulation are for. Part of the seed, so that none may change."""
 
@@ -47,6 +48,7 @@ class Robustness:
     groups: tuple[Group, ...]
     """The herd in each of its sizes."""
     starts: Starts
+    """Drawn in the workspace alone, so that they are the same whatever the construct."""
     iterations: int
     ends_m: float
     """How far ends of the construct are moved at the most."""
@@ -65,14 +67,22 @@ class Robustness:
         found = np.full((len(points), count), np.nan)
         for size, group in enumerate(self.groups):
             places, jobs = [], []
+            drawn: dict[Any, Floats] = {}
             for n, parameters in enumerate(points):
                 for k in range(count):
                     if k // 2 % len(self.groups) != size:
                         continue
                     environment = self.environment(parameters, seed, k)
                     if environment is not None:
+                        mark = axis(environment)
+                        same = k // 2, environment.workspace, mark
+                        if same not in drawn:
+                            rng = np.random.default_rng([*seed, k // 2, START])
+                            drawn[same] = poses(empty(environment), group.count, self.starts, rng)
+                        placed = mirrored(drawn[same], mark) if k % 2 else drawn[same]
+                        shaken = perturbed(environment, self.ends_m, np.random.default_rng([*seed, k, ENDS]))
                         places.append((n, k))
-                        jobs.append(self._job(environment, group, seed, k))
+                        jobs.append(Job(shaken, placed, (*seed, k // 2, MEMBERS)))
             ways = group.trajectories(jobs, self.iterations)
             for place, job, positions in zip(places, jobs, ways, strict=True):
                 found[place] = self.behaviour.judged(positions, job.environment, self.of_behaviour)
@@ -82,11 +92,6 @@ class Robustness:
         """(n,) the robustness of n parameters, from `fitness` (n, count): refused parameters have none."""
         reached = np.array([[self.behaviour.succeeds(value) for value in row] for row in fitness.tolist()], np.float64)
         return np.asarray(reached.mean(axis=1))
-
-    def _job(self, environment: Environment, group: Group, seed: Sequence[int], k: int) -> Job:
-        pair = self.starts(environment, group.count, np.random.default_rng([*seed, k // 2, START]))
-        shaken = perturbed(environment, self.ends_m, np.random.default_rng([*seed, k, ENDS]))
-        return Job(shaken, pair[k % 2], (*seed, k, MEMBERS))
 
     def judge(self, space: Space, seed: Sequence[int], count: int) -> Callable[[Floats], Answer]:
         """What a search asks: points of a space → their robustness in `count` simulations each, and their descriptors.
