@@ -15,6 +15,7 @@ import numpy as np
 
 from flocking.errors import InputError, unknown_name
 from flocking.parameters import Declared, declared
+from generation.behaviours import Behaviour
 from generation.environment import Environment
 from generation.group import Group, Job
 from generation.schema import Schema
@@ -22,27 +23,32 @@ from generation.schema import Schema
 MOST_TRIES = 1000
 """Environments in a row of which none passes a filter before generation stops. A choice: a filter that lets 1 in 100
 pass is stopped wrongly once in 20,000 times."""
+CHUNK = 64
+"""Candidates that are simulated together. A choice."""
 MOST_CANDIDATES = 10_000_000
 """Largest grid that is enumerated. A choice: a day of validation."""
 
 
 def geg(
     candidates: Iterable[Environment],
+    behaviour: Behaviour,
     group: Group,
     start: Callable[[Environment, int], Job],
-    fitness: Callable[[Any, Environment], float],
-    success: float,
-    iterations: int,
+    wanted: Any = None,
+    chunk: int = CHUNK,
 ) -> Iterator[Environment]:
     """General environment generation (algorithm 3): the candidates that elicit a behaviour from a group.
 
-    `start`: the simulation of a candidate, given its number. `fitness`: of positions (iterations + 1, N, 2), in [0, 1];
-    the behaviour is elicited from `success` on. Raises `InputError` for a fitness that is none.
+    The candidates stand in their workspace already. `start`: the simulation of a candidate, given its number. `wanted`:
+    the behaviour's parameters, by default its own. Raises `InputError` for a fitness that is none.
     """
-    for number, candidate in enumerate(candidates):
-        (positions,) = group.trajectories([start(candidate, number)], iterations)
-        if checked_fitness(fitness(positions, candidate)) >= success:
-            yield candidate
+    numbered = enumerate(candidates)
+    while several := list(itertools.islice(numbered, chunk)):
+        jobs = [start(candidate, number) for number, candidate in several]
+        found = group.trajectories(jobs, behaviour.iterations)
+        for (_, candidate), positions in zip(several, found, strict=True):
+            if behaviour.succeeds(behaviour.judged(positions, candidate, wanted)):
+                yield candidate
 
 
 def gcg(
@@ -111,13 +117,6 @@ def candidates(parameters: type, resolutions: Mapping[str, float]) -> int:
             f"the grid has {total} candidates; expected at most {MOST_CANDIDATES}, with coarser resolutions"
         )
     return total
-
-
-def checked_fitness(value: Any) -> float:
-    """A behaviour's fitness. Raises `InputError` where it is no number from 0 to 1."""
-    if isinstance(value, bool | int | float | np.number | np.bool_) and 0.0 <= float(value) <= 1.0:
-        return float(value)
-    raise InputError(f"the behaviour returned {value!r}; expected a number from 0 to 1")
 
 
 def _varied(parameters: type, resolutions: Mapping[str, float]) -> list[str]:

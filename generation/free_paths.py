@@ -23,6 +23,11 @@ def hull(walls: Floats) -> shapely.Geometry:
     return shapely.MultiPoint(np.asarray(walls).reshape(-1, 2)).convex_hull
 
 
+def is_within(region: shapely.Geometry, around: shapely.Geometry) -> bool:
+    """Whether no place of a region is outside of a convex area, but for the rounding of places."""
+    return bool(around.buffer(2.0 * SNAP_M).covers(region))
+
+
 def reached(walls: Floats, place_w: tuple[float, float], width_m: float = 0.0) -> shapely.Polygon | None:
     """All places that a path of that width reaches from a place, cut off beyond all walls; none if it cannot be there.
 

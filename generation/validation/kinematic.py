@@ -90,6 +90,10 @@ class KinematicGroup:
         """Number of members."""
         return sum(each.count for each in self.members)
 
+    def __getstate__(self) -> dict[str, Any]:
+        """Without the compiled bands, which each process makes for itself."""
+        return {"members": self.members, "dt_s": self.dt_s}
+
     @cached_property
     def bands(self) -> list[Band]:
         """Its bands, compiled. Raises `InputError`."""

@@ -104,8 +104,6 @@ def over_environments(with_it: Floats, without: Floats, confidence: float = CONF
         mean = float(differences.mean())
         return Uplift(mean, min(mean, alike.low), max(mean, alike.high), math.nan, n)
     rng = np.random.default_rng(0)  # the interval of the same numbers is the same
-    means = np.concatenate(
-        [differences[rng.integers(0, n, (100, n))].mean(axis=1) for _ in range(RESAMPLES // 100)]
-    )
+    means = np.concatenate([differences[rng.integers(0, n, (100, n))].mean(axis=1) for _ in range(RESAMPLES // 100)])
     low, high = np.quantile(means, [0.5 - confidence / 2.0, 0.5 + confidence / 2.0])
     return Uplift(float(differences.mean()), float(low), float(high), math.nan, n)

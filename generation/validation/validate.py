@@ -97,10 +97,12 @@ def validate(
     group: Group,
     plan: Plan = Plan(),
     parameters: Any = None,
+    begin: int = 0,
 ) -> Iterator[Validated]:
     """Tries each environment and its empty world on the same starts, and yields its outcome as it comes.
 
-    `parameters`: of the behaviour; its own by default. Raises `InputError` for starts without room, a law that does not
+    `parameters`: of the behaviour; its own by default. `begin`: the number of the first environment, where they are a
+    part of more: its random numbers follow from it. Raises `InputError` for starts without room, a law that does not
     fit, and a behaviour that returns no number from 0 to 1: what was yielded before stands.
     """
     if plan.repeats < 1:
@@ -113,7 +115,7 @@ def validate(
         failed: InputError | None = None
         for number in numbers:
             try:
-                tried = jobs_of(environments[number], number, group.count, plan)
+                tried = jobs_of(environments[number], begin + number, group.count, plan)
             except InputError as error:  # what comes before it is tried first
                 failed, numbers = error, range(first, number)
                 break
@@ -123,7 +125,7 @@ def validate(
         for number in numbers:
             fitness = np.array([next(judged) for _ in range(2 * each)])
             succeeded = np.array([behaviour.succeeds(value) for value in fitness])
-            yield Validated(number, fitness[:each], fitness[each:], succeeded[:each], succeeded[each:])
+            yield Validated(begin + number, fitness[:each], fitness[each:], succeeded[:each], succeeded[each:])
         if failed is not None:
             raise failed
 

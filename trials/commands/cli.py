@@ -328,6 +328,55 @@ def world(
 
 
 @app.command()
+def validate(
+    environments: Annotated[
+        list[Path], Argument(metavar="ENVIRONMENT...", help="Files of environments, or folders of them.")
+    ],
+    behaviour: Annotated[str, Option(help="Its name, or the path of your own file.")],
+    law: Annotated[str, Option(help="Its name, or the path of your own file.")],
+    members: Annotated[int, Option(parser=_whole(1, 1000), metavar="N", help="Members of the group.")],
+    body: Annotated[
+        str | None, Option(help="Robots in MuJoCo of that body, as create; kinematic members by default.")
+    ] = None,
+    scale: Annotated[
+        float | None, Option(metavar="M", help="Of robots: metres in a unit of the environment; 0.05 by default.")
+    ] = None,
+    repeats: Annotated[int, Option(parser=_whole(1), metavar="R", help="Starts in each environment.")] = 1,
+    mirror: Annotated[bool, Option("--mirror", help="Tries each start's mirror image too.")] = False,
+    robustness: Annotated[
+        bool, Option("--robustness", help="Perturbs the environments that elicit the behaviour, and ranks them.")
+    ] = False,
+    seed: Seed = 1,
+    jobs: Jobs = None,
+    out: Annotated[Path | None, Option(metavar="FILE", help="Writes a row an environment: .csv or .json.")] = None,
+    settings: Settings = None,
+) -> None:
+    """Tries environments with a group.
+
+    Each environment's fitness for a behaviour beside that of its empty world on the same starts, and the uplift. Keys
+    of --set: law.*, members.*, starts.*, behaviour.*, robustness.*.
+    """
+    from trials.commands import options, validation
+
+    asked = validation.Asked(
+        environments,
+        behaviour,
+        law,
+        members,
+        body,
+        scale,
+        repeats,
+        seed,
+        mirror,
+        robustness,
+        _jobs(jobs, None),
+        out,
+        options.settings(settings or []),
+    )
+    validation.validate(asked)
+
+
+@app.command()
 def bench(
     save: Annotated[Path | None, Option(metavar="FILE", help="Keeps the figures.")] = None,
     compare: Annotated[Path | None, Option(metavar="FILE", help="Sets kept figures beside these.")] = None,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 
 import numpy as np
@@ -62,4 +63,5 @@ def group(trial: Trial) -> Members:
     speeds = np.repeat(
         [of_members.of_group(group).speed_m_s for group in trial.groups], [group.count for group in trial.groups]
     )
-    return Members(tuple(kinematic.bands_of(trial, np.zeros(2))), fields.of_trial(trial).timestep_s, speeds)
+    bands = [dataclasses.replace(band, sight_lines=True) for band in kinematic.bands_of(trial, np.zeros(2))]
+    return Members(tuple(bands), fields.of_trial(trial).timestep_s, speeds)

@@ -5,16 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
-from flocking.kinematic import Band, Schedule, Space, simulate
+from flocking.kinematic import Band
+from flocking.kinematic.many import Start, positions_of
 from flocking.types import Floats
 from generation.group import Job
 
 
 @dataclass(frozen=True)
 class Members:
-    """Members that move by their laws, within what their bodies can do."""
+    """Members of all groups of a trial. Walls hide what is behind them, as in `generation.validation.kinematic`."""
 
     bands: tuple[Band, ...]
     dt_s: float
@@ -28,13 +27,5 @@ class Members:
 
     def trajectories(self, jobs: Sequence[Job], iterations: int) -> Iterator[Floats]:
         """For each job the positions (iterations + 1, N, 2) of the members. Raises `LawFailedError`."""
-        for job in jobs:
-            history = simulate(
-                self.bands,
-                job.poses_w,
-                Schedule(self.dt_s, iterations),
-                rng=np.random.default_rng(job.seed),
-                space=Space(walls=job.environment.walls()),
-                speeds_m_s=self.speeds_m_s,
-            )
-            yield history.positions_w
+        starts = [Start(job.poses_w, job.environment.walls(), job.seed) for job in jobs]
+        return positions_of(self.bands, starts, self.dt_s, iterations, self.speeds_m_s)

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 from flocking import lawentry
 from flocking.errors import InputError
 from flocking.parameters import declared
+from generation.validation.kinematic import LOOK_AHEAD_STEPS, MARGIN_STEPS
 from trials.simulations.environments.fields import trial as environments
 from trials.simulations.kinematic.fields import group
 from trials.types import Group, Trial, Value
@@ -86,7 +87,10 @@ def cells(conditions: Mapping[str, Sequence[Any]], presets: Sequence[Preset] = P
 
 
 def finish(trial: Trial) -> Trial:
-    """The law's own speed is that of its members' bodies, where the user sets no other."""
+    """The law's own speed, and how far walls are avoided, go with the speed of its members' bodies.
+
+    What the user sets stays.
+    """
     return dataclasses.replace(trial, groups=tuple(map(_at_its_speed, trial.groups)))
 
 
@@ -96,5 +100,6 @@ def _at_its_speed(group: Group) -> Group:
         return group
     known = declared(lawentry.module_of(group.law, group.law_source).Parameters)
     own: dict[str, Value] = {name: speed for name in _SPEEDS if name in known}
-    setup: Mapping[str, Value] = {"speed_m_s": speed, **group.setup}
+    ahead, margin = LOOK_AHEAD_STEPS * float(speed), MARGIN_STEPS * float(speed)
+    setup: Mapping[str, Value] = {"speed_m_s": speed, "look_ahead_m": ahead, "margin_m": margin, **group.setup}
     return dataclasses.replace(group, law_parameters={**own, **group.law_parameters}, setup=setup)

@@ -1,0 +1,1 @@
+"""Environments tried with groups: robots as a group, and validation shared among worker processes."""
