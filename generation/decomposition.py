@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -92,11 +92,16 @@ class Elicited(NamedTuple):
         return np.asarray(self.means - self.empty.mean(axis=0))
 
     @property
+    def finest(self) -> Floats:
+        """(F,) what is no difference."""
+        return np.array([feature.finest for feature in FEATURES])
+
+    @property
     def scales(self) -> Floats:
-        """(F,) what counts as one: the standard error of a mean, pooled over the pieces, or `Feature.finest`."""
+        """(F,) what counts as one: the standard error of a mean, pooled over the pieces, or `finest`."""
         count = self.each.shape[1]
         pooled = self.each.var(axis=1, ddof=1).mean(axis=0) if count > 1 else np.zeros(len(FEATURES))
-        return np.asarray(np.maximum(np.sqrt(pooled / count), [feature.finest for feature in FEATURES]))
+        return np.asarray(np.maximum(np.sqrt(pooled / count), self.finest))
 
 
 class Clusters(NamedTuple):
@@ -166,11 +171,12 @@ def regions(construct: Sequence[Primitive], areas: Mapping[str, Polygon]) -> lis
 
 def elicited(
     pieces: Sequence[Piece], whole: Environment, group: Group, starts: Starts, simulations: int, iterations: int,
-    cut_m: float, seed: Sequence[int],
+    cut_m: float, seed: Sequence[int], told: Callable[[int], None] = lambda done: None,
 ) -> Elicited:  # fmt: skip
     """What the pieces of an environment's construct make a herd do, each alone in its workspace, and without any.
 
     Starts come in mirrored pairs, as in a search. `cut_m`: members farther apart are of different groups.
+    `told` is told of each simulation.
     """
     alone = [dataclasses.replace(whole, construct=piece.primitives) for piece in pieces]
     alone.append(empty(whole))
@@ -182,7 +188,10 @@ def elicited(
             placed = mirrored(placed, axis(whole)) if k % 2 else placed
             jobs.append(Job(environment, placed, (*seed, k // 2, MEMBERS_SEED)))
     heading = axis(whole).heading_rad
-    rows = [features(way, heading, cut_m) for way in group.trajectories(jobs, iterations)]
+    rows = []
+    for way in group.trajectories(jobs, iterations):
+        rows.append(features(way, heading, cut_m))
+        told(len(rows))
     each = np.array(rows).reshape(len(alone), simulations, len(FEATURES))
     return Elicited(each[:-1], each[-1])
 

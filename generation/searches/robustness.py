@@ -54,6 +54,8 @@ class Robustness:
     """How far ends of the construct are moved at the most."""
     described_by: tuple[str, ...]
     """Names of `descriptors`."""
+    told: Callable[[int], None] = lambda done: None
+    """Is told of each simulation."""
 
     def environment(self, parameters: Any, seed: Sequence[int], k: int) -> Environment | None:
         """The environment of simulation k before it is perturbed; None where the schema refuses these parameters."""
@@ -86,6 +88,7 @@ class Robustness:
             ways = group.trajectories(jobs, self.iterations)
             for place, job, positions in zip(places, jobs, ways, strict=True):
                 found[place] = self.behaviour.judged(positions, job.environment, self.of_behaviour)
+                self.told(place[1])
         return found
 
     def successes(self, fitness: Floats) -> Floats:
