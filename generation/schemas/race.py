@@ -60,7 +60,9 @@ def generate(parameters: Parameters, workspace: Environment, rng: np.random.Gene
     fences = [_fence(p, side, begins) for side in (-1.0, 1.0)]
     (x0, y0), (x1, y1) = fences[0][-1], fences[1][-1]
     made = built(workspace, *(Polyline(tuple((x, y) for x, y in fence.tolist())) for fence in fences))
-    return Environment(made.workspace, made.construct, {**made.markers, GOAL: Segment(x0, y0, x1, y1)}, made.reflectance)
+    return Environment(
+        made.workspace, made.construct, {**made.markers, GOAL: Segment(x0, y0, x1, y1)}, made.reflectance
+    )
 
 
 def _fence(p: Parameters, side: float, begins_m: float) -> Floats:

@@ -57,7 +57,9 @@ def checked(names: Sequence[str]) -> tuple[str, ...]:
         if name not in DESCRIPTORS:
             raise unknown_name("descriptor", name, DESCRIPTORS)
     if len(names) < 2 or len(set(names)) < len(names):
-        raise InputError(f"descriptors = {','.join(names)}: expected two or more different ones of {', '.join(DESCRIPTORS)}")
+        raise InputError(
+            f"descriptors = {','.join(names)}: expected two or more different ones of {', '.join(DESCRIPTORS)}"
+        )
     return tuple(names)
 
 

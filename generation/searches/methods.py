@@ -108,9 +108,7 @@ METHODS: Mapping[str, Method] = MappingProxyType(
 """By name."""
 
 
-def _archived(
-    space: Space, grid: Grid, rng: np.random.Generator, emitter: Callable[[Any, Any], Any]
-) -> Proposals:
+def _archived(space: Space, grid: Grid, rng: np.random.Generator, emitter: Callable[[Any, Any], Any]) -> Proposals:
     from ribs.archives import GridArchive
     from ribs.schedulers import Scheduler
 

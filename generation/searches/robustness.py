@@ -64,27 +64,29 @@ class Robustness:
         except InputError:
             return None
 
-    def fitness(self, points: Sequence[Any], seed: Sequence[int], count: int) -> Floats:
-        """(n, count) the fitness in each of `count` simulations of each of n parameters; nan where there are none."""
-        found = np.full((len(points), count), np.nan)
+    def environments(self, points: Sequence[Any], seed: Sequence[int], count: int) -> list[list[Environment | None]]:
+        """For each of n parameters the environments of `count` simulations, before they are perturbed."""
+        return [[self.environment(parameters, seed, k) for k in range(count)] for parameters in points]
+
+    def fitness(self, environments: Sequence[Sequence[Environment | None]], seed: Sequence[int]) -> Floats:
+        """(n, K) the fitness in each of the environments, n times K, perturbed; nan where there is none."""
+        found = np.full((len(environments), max(map(len, environments))), np.nan)
         for size, group in enumerate(self.groups):
             places, jobs = [], []
             drawn: dict[Any, Floats] = {}
-            for n, parameters in enumerate(points):
-                for k in range(count):
-                    if k // 2 % len(self.groups) != size:
+            for n, row in enumerate(environments):
+                for k, environment in enumerate(row):
+                    if environment is None or k // 2 % len(self.groups) != size:
                         continue
-                    environment = self.environment(parameters, seed, k)
-                    if environment is not None:
-                        mark = axis(environment)
-                        same = k // 2, environment.workspace, mark
-                        if same not in drawn:
-                            rng = np.random.default_rng([*seed, k // 2, START])
-                            drawn[same] = poses(empty(environment), group.count, self.starts, rng)
-                        placed = mirrored(drawn[same], mark) if k % 2 else drawn[same]
-                        shaken = perturbed(environment, self.ends_m, np.random.default_rng([*seed, k, ENDS]))
-                        places.append((n, k))
-                        jobs.append(Job(shaken, placed, (*seed, k // 2, MEMBERS)))
+                    mark = axis(environment)
+                    same = k // 2, environment.workspace, mark
+                    if same not in drawn:
+                        rng = np.random.default_rng([*seed, k // 2, START])
+                        drawn[same] = poses(empty(environment), group.count, self.starts, rng)
+                    placed = mirrored(drawn[same], mark) if k % 2 else drawn[same]
+                    shaken = perturbed(environment, self.ends_m, np.random.default_rng([*seed, k, ENDS]))
+                    places.append((n, k))
+                    jobs.append(Job(shaken, placed, (*seed, k // 2, MEMBERS)))
             ways = group.trajectories(jobs, self.iterations)
             for place, job, positions in zip(places, jobs, ways, strict=True):
                 found[place] = self.behaviour.judged(positions, job.environment, self.of_behaviour)
@@ -92,9 +94,19 @@ class Robustness:
         return found
 
     def successes(self, fitness: Floats) -> Floats:
-        """(n,) the robustness of n parameters, from `fitness` (n, count): refused parameters have none."""
+        """(n,) the robustness of n parameters, from `fitness` (n, K): refused parameters have none."""
         reached = np.array([[self.behaviour.succeeds(value) for value in row] for row in fitness.tolist()], np.float64)
         return np.asarray(reached.mean(axis=1))
+
+    def robustness(self, points: Sequence[Any], seed: Sequence[int], count: int) -> Floats:
+        """(n,) the robustness of n parameters in `count` simulations each."""
+        return self.successes(self.fitness(self.environments(points, seed, count), seed))
+
+    def control(self, parameters: Any, seed: Sequence[int], count: int) -> float:
+        """The robustness of the workspace alone, with the markers of the environments of these parameters."""
+        (made,) = self.environments([parameters], seed, count)
+        bare = [empty(environment or self.workspace) for environment in made]
+        return float(self.successes(self.fitness([bare], seed))[0])
 
     def judge(self, space: Space, seed: Sequence[int], count: int) -> Callable[[Floats], Answer]:
         """What a search asks: points of a space → their robustness in `count` simulations each, and their descriptors.
@@ -104,8 +116,9 @@ class Robustness:
 
         def judged(points: Floats) -> Answer:
             parameters = [space.at(point) for point in points]
-            values = self.successes(self.fitness(parameters, seed, count))
-            return Answer(values, np.array([self._described(each, seed, count) for each in parameters]))
+            made = self.environments(parameters, seed, count)
+            values = self.successes(self.fitness(made, seed))
+            return Answer(values, np.array([self._described(row) for row in made]))
 
         return judged
 
@@ -117,7 +130,8 @@ class Robustness:
 
         return descriptors.bounds(space, at, self.described_by, rng)
 
-    def _described(self, parameters: Any, seed: Sequence[int], count: int) -> Floats:
-        made = [self.environment(parameters, seed, k) for k in range(count)]
-        each = [descriptors.described(environment, self.described_by) for environment in made if environment is not None]
+    def _described(self, made: Sequence[Environment | None]) -> Floats:
+        each = [
+            descriptors.described(environment, self.described_by) for environment in made if environment is not None
+        ]
         return np.nan_to_num(descriptors.mean(np.array(each).reshape(-1, len(self.described_by)), self.described_by))

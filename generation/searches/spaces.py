@@ -102,6 +102,8 @@ def _axis(name: str, known: Any, valid: str) -> Axis:
     found: Declared = known[name]
     low, high = found.about.low, found.about.high
     if found.type not in (int, float) or not (math.isfinite(low) and math.isfinite(high) and low < high):
-        told = "text" if found.type is str else "a truth value" if found.type is bool else "a number without finite bounds"
+        told = (
+            "text" if found.type is str else "a truth value" if found.type is bool else "a number without finite bounds"
+        )
         raise InputError(f"parameter {name!r} is {told} and cannot be searched: expected one of {valid}")
     return Axis(name, found.about.unit, float(low), float(high), found.type is int)

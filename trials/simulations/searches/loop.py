@@ -113,13 +113,11 @@ def _searched(trial: Trial, chosen: fields.Chosen) -> _Found:
     seed = _seed(trial, FRESH)
 
     def anew(points: Floats, pairs: int) -> Floats:
-        return goal.successes(goal.fitness([space.at(point) for point in points], seed, 2 * pairs))
+        return goal.robustness([space.at(point) for point in points], seed, 2 * pairs)
 
-    # the workspace is judged once, as the environments of a schema that makes nothing else of it
-    bare = dataclasses.replace(goal, schema=dataclasses.replace(chosen.schema, generate=_no_construct(chosen.schema)))
-    control = bare.successes(bare.fitness([chosen.of_schema], seed, 2 * given.best_pairs))
+    control = goal.control(chosen.of_schema, seed, 2 * given.best_pairs)
     fresh = measures.Fresh(
-        anew(found.points[incumbents], given.best_pairs), anew(found.points[elites], given.elite_pairs), float(control[0])
+        anew(found.points[incumbents], given.best_pairs), anew(found.points[elites], given.elite_pairs), control
     )
     shown = goal.environment(space.at(found.points[found.best]), seed, 0) or goal.workspace
     return _Found(
@@ -138,15 +136,6 @@ def _searched(trial: Trial, chosen: fields.Chosen) -> _Found:
         },
         shown,
     )
-
-
-def _no_construct(schema: Any) -> Any:
-    """What a schema makes, without its construct."""
-
-    def generate(parameters: Any, workspace: Environment, rng: np.random.Generator) -> Environment:
-        return empty(schema.generate(parameters, workspace, rng))
-
-    return generate
 
 
 def _decomposed(trial: Trial, chosen: fields.Chosen) -> _Found:

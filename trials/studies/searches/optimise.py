@@ -13,8 +13,8 @@ from trials.studies.searches.design import COUNTS, METHOD, METHODS, herd
 from trials.studies.searches.figures import figures
 from trials.types import Trial
 
-REPEATS = 10
-RECORD = "none"
+REPEATS = 8
+RECORD = "first"
 CONDITIONS = {METHOD: METHODS}
 KEY_MEASURES = ("best", "mean_best", "robust_points", "coverage", "qd_score", "robust_cells")
 
