@@ -77,7 +77,7 @@ def cma_es(space: Space, grid: Grid, rng: np.random.Generator) -> Proposals:
 
 
 def cma_me(space: Space, grid: Grid, rng: np.random.Generator) -> Proposals:
-    """CMA-ME (Fontaine et al. 2020; library `ribs`): each emitter is a CMA-ES that seeks improvements of the archive."""
+    """CMA-ME (Fontaine et al. 2020; library `ribs`): each emitter is a CMA-ES that seeks to improve the archive."""
     from ribs.emitters import EvolutionStrategyEmitter
 
     def emitter(archive: Any, bounds: Any) -> Any:

@@ -7,8 +7,9 @@ Starts come in pairs, one and its mirror image about the herd's
 direction: in a symmetric workspace without a construct a turn to one side then has a robustness of at most a half.
 A stochastic schema generates a new construct for each simulation, so that its parameters are judged and no draw of it.
 
-Members of a start and of its mirror image draw the same. Simulation k has the same random numbers whatever the parameters, so that two of them differ by their environments
-alone, and the robustness is a function. What is the best of many by luck of its draws is found out by another `seed`.
+Members of a start and of its mirror image draw the same. Simulation k has the same random numbers whatever the
+parameters, so that two of them differ by their environments alone, and the robustness is a function. What is the best
+of many by luck of its draws is found out by another `seed`.
 """
 
 from __future__ import annotations

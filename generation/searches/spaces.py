@@ -1,4 +1,4 @@
-"""The space of a search: some of a schema's declared parameters, each between two bounds, as points of the unit cube."""
+"""The space of a search: some of a schema's declared parameters, between bounds, as points of the unit cube."""
 
 from __future__ import annotations
 
@@ -87,8 +87,9 @@ def space_of(parameters: Any, searched: Sequence[str] = ()) -> Space:
 
     `parameters`: an instance of its `Parameters`. Raises `InputError` for what cannot be searched.
     """
-    known, names = declared(type(parameters)), list(searched) or usual(type(parameters))
-    valid = ", ".join(searchable(type(parameters))) or "none of this schema's"
+    kind: Any = type(parameters)
+    known, names = declared(kind), list(searched) or usual(kind)
+    valid = ", ".join(searchable(kind)) or "none of this schema's"
     if not names:
         raise InputError(f"no parameter to search: expected numbers between finite bounds ({valid})")
     if len(set(names)) < len(names):

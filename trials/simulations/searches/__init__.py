@@ -1,1 +1,1 @@
-"""Searches for the environments that steer a herd most robustly, and constructs decomposed: one trial is one of them."""
+"""Searches for environments that steer a herd robustly, and constructs decomposed: one trial is one of them."""

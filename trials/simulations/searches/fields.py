@@ -258,8 +258,8 @@ def archive_of(trial: Trial) -> tuple[tuple[str, ...], tuple[int, ...]]:
     cells = whole_numbers(given.cells, f"{SEARCH}cells")
     if len(cells) != len(described) or min(cells) < 1 or math.prod(cells) > MOST_POINTS:
         raise InputError(
-            f"{SEARCH}cells = {given.cells!r}: expected a number of at least 1 for each of {', '.join(described)}, and at "
-            f"most {MOST_POINTS} cells"
+            f"{SEARCH}cells = {given.cells!r}: expected a number of at least 1 for each of {', '.join(described)}, "
+            f"and at most {MOST_POINTS} cells"
         )
     return described, tuple(cells)
 
@@ -275,8 +275,8 @@ def regions_of(trial: Trial) -> dict[str, Polygon]:
             x0 = y0 = x1 = y1 = math.nan
         if not colon or not name.strip() or name.strip() in found or not (x0 < x1 and y0 < y1):
             raise InputError(
-                f"{PIECES}regions: {part.replace(chr(0), ',')!r}; expected NAME: x0, y0, x1, y1 in m with x0 below x1 and "
-                "y0 below y1, each name once, joined by semicolons"
+                f"{PIECES}regions: {part.replace(chr(0), ',')!r}; expected NAME: x0, y0, x1, y1 in m with x0 below x1 "
+                "and y0 below y1, each name once, joined by semicolons"
             )
         found[name.strip()] = Polygon(((x0, y0), (x1, y0), (x1, y1), (x0, y1)))
     return found

@@ -190,7 +190,7 @@ def _result(trial: Trial, found: _Found, way: Floats, outcome: str, reason: str)
     herd = members(trial, trial.groups[0].count)
     return TrialResult(
         trial=trial,
-        times=np.arange(len(way)) * fields.of_trial(trial).timestep_s,
+        times=np.arange(len(way), dtype=np.float64) * fields.of_trial(trial).timestep_s,
         poses_w=poses_of(way),
         odometry=np.empty((0, count, 3)),
         bumpers=np.empty((0, count, 2), np.bool_),
@@ -214,4 +214,4 @@ def curve_of(trial: Trial, tables: Mapping[str, NDArray[Any]]) -> tuple[Floats, 
     """Of a finished search, the simulations after each point (P,) and the best point so far on new starts (P,)."""
     each, count = 2 * fields.of_search(trial).pairs, len(tables["robustness"])
     holders = np.searchsorted(tables["incumbents"], np.arange(count), side="right") - 1
-    return each * (1.0 + np.arange(count)), np.asarray(tables["incumbents_anew"][holders], np.float64)
+    return each * np.arange(1.0, count + 1.0), np.asarray(tables["incumbents_anew"][holders], np.float64)

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from flocking.types import Floats
+from flocking.types import Bools, Floats
 from generation.decomposition import Clusters, Elicited
 from generation.searches.methods import Grid
 from generation.searches.searching import Search, coverage, qd_score
@@ -87,11 +87,10 @@ def of_pieces(done: Elicited, found: Clusters) -> dict[str, float]:
     return {name: float(values[name]) for name in OF_PIECES}
 
 
-def active(done: Elicited) -> np.ndarray:
+def active(done: Elicited) -> Bools:
     """(n,) which pieces change what the herd does without a construct, in any feature, on the same starts."""
     paired = done.each - done.empty
     count = paired.shape[1]
     spread = paired.std(axis=1, ddof=1) / math.sqrt(count) if count > 1 else np.zeros(done.effects.shape)
     least = np.maximum(ACTIVE_Z * spread, done.finest)
-    found: np.ndarray = (np.abs(done.effects) > least).any(axis=1)
-    return found
+    return np.asarray((np.abs(done.effects) > least).any(axis=1), np.bool_)

@@ -10,7 +10,7 @@ from trials.simulations.searches.fields import DECOMPOSITION, trial
 from trials.studies.searches.design import herd
 from trials.studies.searches.pieces_claims import REGIONS, WAYS, claims
 from trials.studies.searches.pieces_figures import figures
-from trials.types import Trial
+from trials.types import Trial, Value, with_setup
 
 REPEATS = 8
 RECORD = "first"
@@ -20,11 +20,9 @@ KEY_MEASURES = ("pieces", "clusters", "silhouette", "active_share", "strongest")
 
 def base(repeat: int) -> Trial:
     """Pieces of a metre and a half, every three quarters of a metre; a herd that is spread as it likes to be."""
-    return trial(
-        "decompose", repeat, [herd()], "race", method=DECOMPOSITION,
-        formation_parameters={"size_m": 2.5, "heading_spread_deg": 10.0},
-        **{"pieces.window_m": 1.5, "pieces.stride_m": 0.75, "pieces.pairs": 40},
-    )  # fmt: skip
+    placed: dict[str, Value] = {"size_m": 2.5, "heading_spread_deg": 10.0}
+    chosen = trial("decompose", repeat, [herd()], "race", formation_parameters=placed, method=DECOMPOSITION)
+    return with_setup(chosen, {"pieces.window_m": 1.5, "pieces.stride_m": 0.75, "pieces.pairs": 40})
 
 
 __all__ = ["CONDITIONS", "KEY_MEASURES", "RECORD", "REPEATS", "base", "claims", "figures"]

@@ -10,7 +10,7 @@ from trials.simulations.searches.fields import trial
 from trials.studies.searches.claims import claims
 from trials.studies.searches.design import COUNTS, METHOD, herd
 from trials.studies.searches.figures import figures
-from trials.types import Trial
+from trials.types import Trial, with_setup
 
 REPEATS = 8
 RECORD = "none"
@@ -20,7 +20,8 @@ KEY_MEASURES = ("best", "mean_best", "control", "uplift", "robust_points")
 
 def base(repeat: int) -> Trial:
     """A search of 1200 simulations, fifty points of 24 constructs."""
-    return trial("optimise-points", repeat, [herd()], "points", **{"search.counts": COUNTS, "search.pairs": 12})
+    chosen = trial("optimise-points", repeat, [herd()], "points")
+    return with_setup(chosen, {"search.counts": COUNTS, "search.pairs": 12})
 
 
 __all__ = ["CONDITIONS", "KEY_MEASURES", "RECORD", "REPEATS", "base", "claims", "figures"]
