@@ -85,7 +85,8 @@ def fallen(environment: Environment, count: int, rng: np.random.Generator, given
         vy[row] -= towards * ny
         through = y < top
         found[left[through]] = np.clip(np.searchsorted(edges, x[through], side="right") - 1, 0, len(areas) - 1)
-        x, y, vx, vy, left = (each[~through] for each in (x, y, vx, vy, left))
+        x, y, vx, vy = (each[~through] for each in (x, y, vx, vy))
+        left = left[~through]
         if len(left) == 0:
             break
     return found

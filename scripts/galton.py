@@ -61,7 +61,7 @@ def told(name: str, found: Comparison) -> str:
 
 def main() -> None:
     """Prints the table."""
-    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])  # type: ignore[union-attr]
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--grains", type=int, default=5000)
     parser.add_argument("--herds", type=int, default=20)
     parser.add_argument("--members", type=int, default=25)

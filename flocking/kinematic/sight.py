@@ -248,13 +248,17 @@ def turn_columns(focal: Focal, squared: float, columns: Floats, near: Ints) -> N
 def pack_columns(columns: Floats, near: Ints, positions: Floats, velocities: Floats, ids: Ints) -> int:
     """Writes those within reach one after the other as inputs, whose flat rows these are; returns how many."""
     to_x, to_y, by_x, by_y = columns[4], columns[5], columns[6], columns[7]
-    count = 0
+    count, one = np.uint64(0), np.uint64(1)  # unsigned: no index is looked at for being negative
     for j in range(len(near)):
-        positions[2 * count], positions[2 * count + 1] = to_x[j], to_y[j]
-        velocities[2 * count], velocities[2 * count + 1] = by_x[j], by_y[j]
+        x, y, vx, vy, counts = to_x[j], to_y[j], by_x[j], by_y[j], near[j]
+        at = count + count
+        positions[at] = x
+        positions[at + one] = y
+        velocities[at] = vx
+        velocities[at + one] = vy
         ids[count] = j
-        count += near[j]
-    return count
+        count += np.uint64(counts)
+    return int(np.int64(count))
 
 
 @borrowing

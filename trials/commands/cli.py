@@ -15,6 +15,7 @@ from typer import Argument, Option
 
 from flocking import users_files
 from flocking.errors import InputError, printable
+from trials.commands import plans
 
 LONG = 60
 """Characters of a text that an error repeats."""
@@ -335,6 +336,10 @@ def world(
         raise InputError(f"--out {out}: there is such a file; expected a new one")
     write_whole(out, world_xml(chosen).encode())
     print(f"{out}: open it with {shlex.join([sys.executable, '-m', 'mujoco.viewer', f'--mjcf={out}'])}")
+
+
+app.command("import")(plans.import_)
+app.command()(plans.export)
 
 
 @app.command("map")

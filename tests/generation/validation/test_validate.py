@@ -151,7 +151,7 @@ class TestPerturbed:
             assert circle.radius_m == 2.0
             reached.append(math.hypot(circle.x_m, circle.y_m - 30.0))
         assert max(reached) <= 0.3
-        # uniform in a disc: the squared distance over epsilon squared is uniform; one seed in a thousand misses the level
+        # uniform in a disc: the squared distance over epsilon squared is uniform; one seed in a thousand misses it
         assert stats.kstest((np.array(reached) / 0.3) ** 2, "uniform").pvalue > 1e-3
 
     def test_robustness_of_what_depends_on_nothing_is_one_and_of_its_contrary_zero(self) -> None:
