@@ -22,7 +22,9 @@ KEY_MEASURES = ("configurations", "successful", "successful_share", "success_ins
 
 def base(repeat: int) -> Trial:
     """Seven members, anchor four, 256 configurations."""
-    trial = design.base("dirt-sampling", repeat, "dirt", grid=design.GRID, refinements=6, budget=256, iterations=design.STEPS)
+    trial = design.base(
+        "dirt-sampling", repeat, "dirt", grid=design.GRID, refinements=6, budget=256, iterations=design.STEPS
+    )
     return with_setup(trial, PUBLISHED_BOX)
 
 

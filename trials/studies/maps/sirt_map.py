@@ -25,7 +25,9 @@ KEY_MEASURES = ("configurations", "successful", "region_area", "trend_1", "trend
 
 def base(repeat: int) -> Trial:
     """Seven members and a growing wall at anchor four."""
-    return design.base("sirt-map", repeat, "sirt", refined="rule_1, rule_2", grid="8", refinements=3, iterations=design.STEPS)
+    return design.base(
+        "sirt-map", repeat, "sirt", refined="rule_1, rule_2", grid="8", refinements=3, iterations=design.STEPS
+    )
 
 
 __all__ = ["CONDITIONS", "KEY_MEASURES", "RECORD", "REPEATS", "SOURCES", "base", "claims", "figures"]
