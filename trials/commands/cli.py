@@ -5,7 +5,6 @@ from __future__ import annotations
 import io
 import os
 import sys
-from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -15,10 +14,24 @@ from typer import Argument, Option
 
 from flocking import users_files
 from flocking.errors import InputError, printable
-from trials.commands import plans
-
-LONG = 60
-"""Characters of a text that an error repeats."""
+from trials.commands import environments, plans
+from trials.commands.arguments import (
+    Body,
+    Cluster,
+    Experiment,
+    Jobs,
+    Law,
+    OwnExperiment,
+    Pipeline,
+    Repeats,
+    Run,
+    Seed,
+    Settings,
+    Sweeps,
+    World,
+    jobs_of,
+    whole,
+)
 
 app = typer.Typer(
     name="herd",
@@ -28,54 +41,6 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-
-
-def _whole(low: int, high: int | None = None) -> Callable[[str], int]:
-    """A parser of whole numbers from `low` to `high`, whose error repeats the text that it was given."""
-
-    def read(text: str) -> int:
-        try:
-            number = int(text)
-        except ValueError:
-            number = low - 1
-        if number < low or (high is not None and number > high):
-            most = f" and at most {high}" if high is not None else ""
-            told = text if len(text) <= LONG else f"{text[:LONG]}…"
-            raise ValueError(f"{told!r}: expected a whole number of at least {low}{most}")
-        return number
-
-    return read
-
-
-Experiment = Annotated[
-    str, Argument(help="Name of an experiment, see `herd list experiments`, or the path of your own file.")
-]
-Run = Annotated[Path | None, Argument(metavar="[DIR]", help="A run's folder; the newest one below runs/ by default.")]
-Repeats = Annotated[
-    int | None, Option(parser=_whole(1), metavar="N", help="Repeats of each cell; the experiment's own by default.")
-]
-Seed = Annotated[int, Option(parser=_whole(0, 2**63 - 1), metavar="S", help="Of all random numbers.")]
-Jobs = Annotated[int | None, Option(parser=_whole(1), metavar="J", help="Worker processes; all cores by default.")]
-Cluster = Annotated[
-    str | None,
-    Option(metavar="ADDRESS", help="Of a Dask scheduler, whose workers run the trials: tcp://HOST:8786."),
-]
-Law = Annotated[str | None, Option(help="Another law: its name or the path of your own file.")]
-Pipeline = Annotated[str | None, Option(help="Another member detection.")]
-Body = Annotated[str | None, Option(help="Another robot: its name or the path of your own folder.")]
-World = Annotated[
-    str | None,
-    Option(metavar="WORLD", help="Another world: its name, or the path of an environment, a plan or your own file."),
-]
-Settings = Annotated[
-    list[str] | None, Option("--set", metavar="KEY=VALUE", help="Sets a parameter; VALUE is TOML. May be repeated.")
-]
-Sweeps = Annotated[
-    list[str] | None, Option("--sweep", metavar="KEY=A,B,C", help="Runs all of it for each value. May be repeated.")
-]
-OwnExperiment = Annotated[
-    Path | None, Option(metavar="FILE", help="Your own experiment's file, for its claims and figures.")
-]
 
 
 def _version(asked: bool) -> None:
@@ -238,14 +203,14 @@ def run(
         return 0
     if debug:
         return running.debug(asked)
-    return running.start(asked, out, _jobs(jobs, cluster), _report, cluster)[0]
+    return running.start(asked, out, jobs_of(jobs, cluster), _report, cluster)[0]
 
 
 @app.command()
 def sensitivity(
     experiment: Experiment,
     claim: Annotated[
-        int | None, Option(parser=_whole(1), metavar="N", help="One claim, by its place in the report; all by default.")
+        int | None, Option(parser=whole(1), metavar="N", help="One claim, by its place in the report; all by default.")
     ] = None,
     budget: Annotated[str, Option(metavar="10m|N", help="Wall time, or a number of trials.")] = "10m",
     keys: Annotated[str | None, Option(metavar="A,B,C", help="Only these choices; all by default.")] = None,
@@ -262,7 +227,7 @@ def sensitivity(
     """
     from trials.commands.sensitivity import sensitivity
 
-    return sensitivity(experiment, claim, budget, keys, repeats, seed, _jobs(jobs, None), out)
+    return sensitivity(experiment, claim, budget, keys, repeats, seed, jobs_of(jobs, None), out)
 
 
 @app.command()
@@ -272,7 +237,7 @@ def resume(folder: Run = None, jobs: Jobs = None, experiment: OwnExperiment = No
 
     own = str(experiment) if experiment is not None else None
     told = partial(_report, experiment=own)
-    return running.resume(_run_folder(folder), _jobs(jobs, cluster), told, own, cluster)
+    return running.resume(_run_folder(folder), jobs_of(jobs, cluster), told, own, cluster)
 
 
 @app.command()
@@ -292,7 +257,7 @@ def report(
 def play(
     folder: Run = None,
     trial: Annotated[
-        int | None, Option(parser=_whole(1), metavar="K", help="Which trial; the first recorded one by default.")
+        int | None, Option(parser=whole(1), metavar="K", help="Which trial; the first recorded one by default.")
     ] = None,
     web: Annotated[bool, Option("--web", help="In the browser instead of the viewer.")] = False,
 ) -> None:
@@ -306,7 +271,7 @@ def play(
 def world(
     experiment: Experiment,
     out: Annotated[Path, Option(metavar="FILE", help="Where to write the MJCF.")],
-    repeat: Annotated[int, Option(parser=_whole(1), metavar="R", help="Whose starting formation.")] = 1,
+    repeat: Annotated[int, Option(parser=whole(1), metavar="R", help="Whose starting formation.")] = 1,
     world_: Annotated[str | None, Option("--world", metavar="WORLD", help="Another world, as of `herd run`.")] = None,
     settings: Settings = None,
 ) -> None:
@@ -317,7 +282,6 @@ def world(
     import shlex
 
     from trials import simulations
-    from trials.batch.folders import write_whole
     from trials.batch.running import Asked, planned
     from trials.commands import lawcheck, options
     from trials.invoked import command
@@ -340,133 +304,9 @@ def world(
 
 app.command("import")(plans.import_)
 app.command()(plans.export)
-
-
-@app.command("map")
-def map_(
-    schema: Annotated[str, Argument(metavar="SCHEMA", help="Its name, or the path of your own file.")],
-    out: Annotated[Path, Option(metavar="DIR", help="A new folder: map.csv, map.json and figures.")],
-    behaviour: Annotated[
-        str | None, Option(help="Its name, or the path of your own file; the schema's own by default.")
-    ] = None,
-    law: Annotated[str, Option(help="Its name, or the path of your own file.")] = "reynolds-boids",
-    members: Annotated[int, Option(parser=_whole(1, 1000), metavar="N", help="Members of the group.")] = 7,
-    refinements: Annotated[
-        int, Option(parser=_whole(0, 12), metavar="R", help="Beyond the first iteration, around successes.")
-    ] = 3,
-    refined: Annotated[
-        str | None, Option(metavar="A,B", help="Parameters that vary; the schema's first two by default.")
-    ] = None,
-    grid: Annotated[
-        str | None, Option(metavar="N|N,M", help="Cells of the first iteration along each of them; 8 by default.")
-    ] = None,
-    budget: Annotated[int, Option(parser=_whole(0), metavar="N", help="Most configurations; 0: any number.")] = 0,
-    method: Annotated[Literal["quad-tree", "random"], Option(help="How configurations are chosen.")] = "quad-tree",
-    seed: Seed = 1,
-    settings: Settings = None,
-) -> None:
-    """Maps a schema's parameters.
-
-    Which of them make environments that elicit a behaviour, by simulations from mirrored starts. Keys of --set:
-    pairs, splits, reliable_share, world.*, behaviour.*, formation.*, box.*, herd.*.
-    """
-    from trials.commands import mapping, options
-
-    mapping.map_(
-        mapping.Asked(
-            schema,
-            behaviour,
-            law,
-            members,
-            refinements,
-            refined,
-            grid,
-            budget,
-            method,
-            seed,
-            options.settings(settings or []),
-            out,
-        )
-    )
-
-
-@app.command()
-def generate(
-    schema: Annotated[str, Argument(help="Its name, or the path of your own file: Python, or a grammar in TOML.")],
-    out: Annotated[Path, Option(metavar="DIR", help="A new or an empty folder for the files.")],
-    count: Annotated[int, Option(parser=_whole(1, 1_000_000), metavar="N", help="Environments that pass.")] = 1,
-    seed: Seed = 1,
-    settings: Settings = None,
-    vary: Annotated[
-        str | None, Option(metavar="A,B,C", help="Parameters to be drawn between their bounds, each time anew.")
-    ] = None,
-    filter_: Annotated[
-        str | None,
-        Option("--filter", metavar="F|none", help="Its name, or the path of your own file; the schema's by default."),
-    ] = None,
-    workspace: Annotated[
-        Path | None, Option(metavar="FILE", help="An environment to build in; the schema's own by default.")
-    ] = None,
-) -> None:
-    """Generates environments that pass a filter.
-
-    One JSON file an environment and a contact sheet of the first hundred. Keys of --set are the schema's, or the
-    filter's, as in filter.least=4. Environment k of a seed is the same however many there are.
-    """
-    from trials.commands import options
-    from trials.commands.generating import Asked, generate
-
-    names = [name.strip() for name in vary.split(",")] if vary is not None else []
-    print(generate(Asked(schema, count, seed, out, options.settings(settings or []), names, filter_, workspace)))
-
-
-@app.command()
-def validate(
-    environments: Annotated[
-        list[Path], Argument(metavar="ENVIRONMENT...", help="Files of environments, or folders of them.")
-    ],
-    behaviour: Annotated[str, Option(help="Its name, or the path of your own file.")],
-    law: Annotated[str, Option(help="Its name, or the path of your own file.")],
-    members: Annotated[int, Option(parser=_whole(1, 1000), metavar="N", help="Members of the group.")],
-    body: Annotated[
-        str | None, Option(help="Robots in MuJoCo of that body, as create; kinematic members by default.")
-    ] = None,
-    scale: Annotated[
-        float | None, Option(metavar="M", help="Of robots: metres in a unit of the environment; 0.05 by default.")
-    ] = None,
-    repeats: Annotated[int, Option(parser=_whole(1), metavar="R", help="Starts in each environment.")] = 1,
-    mirror: Annotated[bool, Option("--mirror", help="Tries each start's mirror image too.")] = False,
-    robustness: Annotated[
-        bool, Option("--robustness", help="Perturbs the environments that elicit the behaviour, and ranks them.")
-    ] = False,
-    seed: Seed = 1,
-    jobs: Jobs = None,
-    out: Annotated[Path | None, Option(metavar="FILE", help="Writes a row an environment: .csv or .json.")] = None,
-    settings: Settings = None,
-) -> None:
-    """Tries environments with a group.
-
-    Each environment's fitness for a behaviour beside that of its empty world on the same starts, and the uplift. Keys
-    of --set: law.*, members.*, starts.*, behaviour.*, robustness.*.
-    """
-    from trials.commands import options, validation
-
-    asked = validation.Asked(
-        environments,
-        behaviour,
-        law,
-        members,
-        body,
-        scale,
-        repeats,
-        seed,
-        mirror,
-        robustness,
-        _jobs(jobs, None),
-        out,
-        options.settings(settings or []),
-    )
-    validation.validate(asked)
+app.command()(environments.generate)
+app.command()(environments.validate)
+app.command("map")(environments.map_)
 
 
 @app.command()
@@ -560,13 +400,6 @@ def _report(folder: Path, as_json: bool = False, experiment: str | None = None) 
         file = ["--experiment", experiment] if experiment is not None else []
         again = command("report", str(folder), *file, *(["--json"] if as_json else []))
         raise _StoppedError(f"the report of {folder} is not complete; make it with: {again}") from None
-
-
-def _jobs(jobs: int | None, cluster: str | None) -> int:
-    """Worker processes of this machine: all cores by default."""
-    if jobs is not None and cluster is not None:
-        raise InputError(f"--jobs {jobs}: counts processes of this machine; expected --jobs or --cluster, not both")
-    return jobs or len(os.sched_getaffinity(0))
 
 
 def _run_folder(folder: Path | None) -> Path:
