@@ -282,6 +282,7 @@ def world(
     import shlex
 
     from trials import simulations
+    from trials.batch.folders import write_whole
     from trials.batch.running import Asked, planned
     from trials.commands import lawcheck, options
     from trials.invoked import command

@@ -1,0 +1,134 @@
+"""`herd generate`, `herd validate` and `herd map`: environments of a schema, and what they do to a herd."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Literal
+
+from typer import Argument, Option
+
+from trials.commands.arguments import Jobs, Seed, Settings, jobs_of, whole
+
+
+def generate(
+    schema: Annotated[str, Argument(help="Its name, or the path of your own file: Python, or a grammar in TOML.")],
+    out: Annotated[Path, Option(metavar="DIR", help="A new or an empty folder for the files.")],
+    count: Annotated[int, Option(parser=whole(1, 1_000_000), metavar="N", help="Environments that pass.")] = 1,
+    seed: Seed = 1,
+    settings: Settings = None,
+    vary: Annotated[
+        str | None, Option(metavar="A,B,C", help="Parameters to be drawn between their bounds, each time anew.")
+    ] = None,
+    filter_: Annotated[
+        str | None,
+        Option("--filter", metavar="F|none", help="Its name, or the path of your own file; the schema's by default."),
+    ] = None,
+    workspace: Annotated[
+        Path | None, Option(metavar="FILE", help="An environment to build in; the schema's own by default.")
+    ] = None,
+) -> None:
+    """Generates environments that pass a filter.
+
+    One JSON file an environment and a contact sheet of the first hundred. Keys of --set are the schema's, or the
+    filter's, as in filter.least=4. Environment k of a seed is the same however many there are.
+    """
+    from trials.commands import options
+    from trials.commands.generating import Asked, generate
+
+    names = [name.strip() for name in vary.split(",")] if vary is not None else []
+    print(generate(Asked(schema, count, seed, out, options.settings(settings or []), names, filter_, workspace)))
+
+
+def validate(
+    environments: Annotated[
+        list[Path], Argument(metavar="ENVIRONMENT...", help="Files of environments, or folders of them.")
+    ],
+    behaviour: Annotated[str, Option(help="Its name, or the path of your own file.")],
+    law: Annotated[str, Option(help="Its name, or the path of your own file.")],
+    members: Annotated[int, Option(parser=whole(1, 1000), metavar="N", help="Members of the group.")],
+    body: Annotated[
+        str | None, Option(help="Robots in MuJoCo of that body, as create; kinematic members by default.")
+    ] = None,
+    scale: Annotated[
+        float | None, Option(metavar="M", help="Of robots: metres in a unit of the environment; 0.05 by default.")
+    ] = None,
+    repeats: Annotated[int, Option(parser=whole(1), metavar="R", help="Starts in each environment.")] = 1,
+    mirror: Annotated[bool, Option("--mirror", help="Tries each start's mirror image too.")] = False,
+    robustness: Annotated[
+        bool, Option("--robustness", help="Perturbs the environments that elicit the behaviour, and ranks them.")
+    ] = False,
+    seed: Seed = 1,
+    jobs: Jobs = None,
+    out: Annotated[Path | None, Option(metavar="FILE", help="Writes a row an environment: .csv or .json.")] = None,
+    settings: Settings = None,
+) -> None:
+    """Tries environments with a group.
+
+    Each environment's fitness for a behaviour beside that of its empty world on the same starts, and the uplift. Keys
+    of --set: law.*, members.*, starts.*, behaviour.*, robustness.*.
+    """
+    from trials.commands import options, validation
+
+    asked = validation.Asked(
+        environments,
+        behaviour,
+        law,
+        members,
+        body,
+        scale,
+        repeats,
+        seed,
+        mirror,
+        robustness,
+        jobs_of(jobs, None),
+        out,
+        options.settings(settings or []),
+    )
+    validation.validate(asked)
+
+
+def map_(
+    schema: Annotated[str, Argument(metavar="SCHEMA", help="Its name, or the path of your own file.")],
+    out: Annotated[Path, Option(metavar="DIR", help="A new folder: map.csv, map.json and figures.")],
+    behaviour: Annotated[
+        str | None, Option(help="Its name, or the path of your own file; the schema's own by default.")
+    ] = None,
+    law: Annotated[str, Option(help="Its name, or the path of your own file.")] = "reynolds-boids",
+    members: Annotated[int, Option(parser=whole(1, 1000), metavar="N", help="Members of the group.")] = 7,
+    refinements: Annotated[
+        int, Option(parser=whole(0, 12), metavar="R", help="Beyond the first iteration, around successes.")
+    ] = 3,
+    refined: Annotated[
+        str | None, Option(metavar="A,B", help="Parameters that vary; the schema's first two by default.")
+    ] = None,
+    grid: Annotated[
+        str | None, Option(metavar="N|N,M", help="Cells of the first iteration along each of them; 8 by default.")
+    ] = None,
+    budget: Annotated[int, Option(parser=whole(0), metavar="N", help="Most configurations; 0: any number.")] = 0,
+    method: Annotated[Literal["quad-tree", "random"], Option(help="How configurations are chosen.")] = "quad-tree",
+    seed: Seed = 1,
+    settings: Settings = None,
+) -> None:
+    """Maps a schema's parameters.
+
+    Which of them make environments that elicit a behaviour, by simulations from mirrored starts. Keys of --set:
+    pairs, splits, reliable_share, world.*, behaviour.*, formation.*, box.*, herd.*.
+    """
+    from trials.commands import mapping, options
+
+    mapping.map_(
+        mapping.Asked(
+            schema,
+            behaviour,
+            law,
+            members,
+            refinements,
+            refined,
+            grid,
+            budget,
+            method,
+            seed,
+            options.settings(settings or []),
+            out,
+        )
+    )
