@@ -15,6 +15,7 @@ import numpy as np
 
 from flocking.errors import InputError, unknown_name
 from flocking.parameters import Declared, declared
+from generation.behaviours import Behaviour
 from generation.environment import Environment
 from generation.group import Group, Job
 from generation.schema import Schema
@@ -22,27 +23,32 @@ from generation.schema import Schema
 MOST_TRIES = 1000
 """Environments in a row of which none passes a filter before generation stops. A choice: a filter that lets 1 in 100
 pass is stopped wrongly once in 20,000 times."""
+CHUNK = 64
+"""Candidates that are simulated together. A choice."""
 MOST_CANDIDATES = 10_000_000
 """Largest grid that is enumerated. A choice: a day of validation."""
 
 
 def geg(
     candidates: Iterable[Environment],
+    behaviour: Behaviour,
     group: Group,
     start: Callable[[Environment, int], Job],
-    fitness: Callable[[Any, Environment], float],
-    success: float,
-    iterations: int,
+    wanted: Any = None,
+    chunk: int = CHUNK,
 ) -> Iterator[Environment]:
     """General environment generation (algorithm 3): the candidates that elicit a behaviour from a group.
 
-    `start`: the simulation of a candidate, given its number. `fitness`: of positions (iterations + 1, N, 2), in [0, 1];
-    the behaviour is elicited from `success` on. Raises `InputError` for a fitness that is none.
+    The candidates stand in their workspace already. `start`: the simulation of a candidate, given its number. `wanted`:
+    the behaviour's parameters, by default its own. Raises `InputError` for a fitness that is none.
     """
-    for number, candidate in enumerate(candidates):
-        (positions,) = group.trajectories([start(candidate, number)], iterations)
-        if checked_fitness(fitness(positions, candidate)) >= success:
-            yield candidate
+    numbered = enumerate(candidates)
+    while several := list(itertools.islice(numbered, chunk)):
+        jobs = [start(candidate, number) for number, candidate in several]
+        found = group.trajectories(jobs, behaviour.iterations)
+        for (_, candidate), positions in zip(several, found, strict=True):
+            if behaviour.succeeds(behaviour.judged(positions, candidate, wanted)):
+                yield candidate
 
 
 def gcg(
@@ -91,10 +97,19 @@ def grid(parameters: type, resolutions: Mapping[str, float]) -> Iterator[Any]:
     take all of their values, and their step is 1. All others keep their default.
     Raises `InputError` as `candidates`.
     """
-    candidates(parameters, resolutions)
+    total = candidates(parameters, resolutions)
     names = _varied(parameters, resolutions)
-    axes = [_axis(declared(parameters)[name], resolutions[name]) for name in names]
-    return (parameters(**dict(zip(names, values, strict=True))) for values in itertools.product(*axes))
+    return (_point(parameters, names, resolutions, index) for index in range(total))
+
+
+def _point(parameters: type, names: Sequence[str], resolutions: Mapping[str, float], index: int) -> Any:
+    """The point of a grid with this number: its digits, in a system whose bases are the numbers of values."""
+    values = {}
+    for name in reversed(names):
+        parameter = declared(parameters)[name]
+        index, digit = divmod(index, _points(parameter, resolutions[name]))
+        values[name] = _value(parameter, resolutions[name], digit)
+    return parameters(**values)
 
 
 def candidates(parameters: type, resolutions: Mapping[str, float]) -> int:
@@ -111,13 +126,6 @@ def candidates(parameters: type, resolutions: Mapping[str, float]) -> int:
             f"the grid has {total} candidates; expected at most {MOST_CANDIDATES}, with coarser resolutions"
         )
     return total
-
-
-def checked_fitness(value: Any) -> float:
-    """A behaviour's fitness. Raises `InputError` where it is no number from 0 to 1."""
-    if isinstance(value, bool | int | float | np.number | np.bool_) and 0.0 <= float(value) <= 1.0:
-        return float(value)
-    raise InputError(f"the behaviour returned {value!r}; expected a number from 0 to 1")
 
 
 def _varied(parameters: type, resolutions: Mapping[str, float]) -> list[str]:
@@ -149,14 +157,12 @@ def _points(parameter: Declared, step: float) -> int:
     return math.floor((high - low) / step * (1.0 + 1e-12)) + 1  # the last point is not lost to rounding
 
 
-def _axis(parameter: Declared, step: float) -> list[Any]:
-    """The values of a parameter."""
-    count = _points(parameter, step)
+def _value(parameter: Declared, step: float, number: int) -> Any:
+    """The value of a parameter with this number."""
     if parameter.type is bool:
-        return [False, True]
+        return number == 1
     if parameter.type is str:
-        return list(parameter.about.choices)
-    low, high = parameter.about.low, parameter.about.high
+        return parameter.about.choices[number]
     if parameter.type is int:
-        return [int(low) + k * int(step) for k in range(count)]
-    return [min(low + k * step, high) for k in range(count)]
+        return int(parameter.about.low) + number * int(step)
+    return min(parameter.about.low + number * step, parameter.about.high)

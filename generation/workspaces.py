@@ -41,14 +41,16 @@ def t_junction(width_m: float = 2.0, stem_m: float = 8.0, arm_m: float = 8.0) ->
 def corridor(width_m: float = 12.0, length_m: float = 40.0) -> Environment:
     """A corridor along y, closed at its ends, with an anchor in the middle of each long wall: 1 left, 2 right.
 
-    The herd starts a quarter of the length before the middle and faces it. All lengths are a choice: members all over
-    this width have a standard deviation of 3.5 m, and figure 7.14 of Fine 2015 has deviations from 1.5 to 4.0.
+    The herd starts a quarter of the length before the middle and faces it; the goal line is as far behind it. All
+    lengths are a choice: members all over this width have a standard deviation of 3.5 m, and figure 7.14 of Fine 2015
+    has deviations from 1.5 to 4.0.
     """
     half, end = width_m / 2, length_m / 2
     return Environment(
         workspace=(Polygon(((-half, -end), (half, -end), (half, end), (-half, end)), "inside"),),
         markers={
             START: Point(0.0, -length_m / 4, math.pi / 2),
+            "goal": Segment(-half, length_m / 4, half, length_m / 4),
             **anchors(((-half, 0.0), (half, 0.0))),
         },
     )

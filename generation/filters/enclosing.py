@@ -13,7 +13,7 @@ import shapely
 
 from flocking.parameters import Parameter
 from generation.environment import Environment
-from generation.free_paths import hull, reached
+from generation.free_paths import hull, is_within, reached
 from generation.markers import marker
 from generation.primitives import Point
 
@@ -32,4 +32,4 @@ def passes(environment: Environment, parameters: Parameters) -> bool:
     if not shapely.contains_xy(around, at.x_m, at.y_m):
         return False
     region = reached(environment.walls(), (at.x_m, at.y_m), parameters.width_m)
-    return region is not None and not around.covers(region)
+    return region is not None and not is_within(region, around)

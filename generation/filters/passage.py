@@ -12,7 +12,7 @@ import shapely
 
 from flocking.parameters import Parameter
 from generation.environment import START, Environment
-from generation.free_paths import hull, reached
+from generation.free_paths import hull, is_within, reached
 from generation.markers import marker
 from generation.primitives import Point, Polygon, Segment, places
 
@@ -39,7 +39,7 @@ def passes(environment: Environment, parameters: Parameters) -> bool:
     if region is None:
         return False
     if "goal" not in environment.markers:
-        return not hull(walls).covers(region)
+        return not is_within(region, hull(walls))
     goal = marker(environment, "goal", "filter passage", Segment, Polygon)
     along = np.asarray(places(goal))
     shape = shapely.LineString(along) if isinstance(goal, Segment) else shapely.Polygon(along)

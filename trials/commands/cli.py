@@ -98,11 +98,23 @@ def _first(
 @app.command("list")
 def list_(
     what: Annotated[
-        Literal["experiments", "laws", "pipelines", "selections", "formations", "bodies", "worlds"] | None,
+        Literal[
+            "experiments",
+            "laws",
+            "pipelines",
+            "selections",
+            "formations",
+            "bodies",
+            "worlds",
+            "schemas",
+            "filters",
+            "behaviours",
+        ]
+        | None,
         Argument(help="One kind; all kinds by default."),
     ] = None,
 ) -> None:
-    """Lists what there is: experiments, laws, pipelines, selections, formations, bodies, worlds."""
+    """Lists what there is: experiments, laws, pipelines, and all else that a command can name."""
     from trials.commands.listing import listing
 
     print(listing(what))
@@ -323,6 +335,36 @@ def world(
         raise InputError(f"--out {out}: there is such a file; expected a new one")
     write_whole(out, world_xml(chosen).encode())
     print(f"{out}: open it with {shlex.join([sys.executable, '-m', 'mujoco.viewer', f'--mjcf={out}'])}")
+
+
+@app.command()
+def generate(
+    schema: Annotated[str, Argument(help="Its name, or the path of your own file: Python, or a grammar in TOML.")],
+    out: Annotated[Path, Option(metavar="DIR", help="A new or an empty folder for the files.")],
+    count: Annotated[int, Option(parser=_whole(1, 1_000_000), metavar="N", help="Environments that pass.")] = 1,
+    seed: Seed = 1,
+    settings: Settings = None,
+    vary: Annotated[
+        str | None, Option(metavar="A,B,C", help="Parameters to be drawn between their bounds, each time anew.")
+    ] = None,
+    filter_: Annotated[
+        str | None,
+        Option("--filter", metavar="F|none", help="Its name, or the path of your own file; the schema's by default."),
+    ] = None,
+    workspace: Annotated[
+        Path | None, Option(metavar="FILE", help="An environment to build in; the schema's own by default.")
+    ] = None,
+) -> None:
+    """Generates environments that pass a filter.
+
+    One JSON file an environment and a contact sheet of the first hundred. Keys of --set are the schema's, or the
+    filter's, as in filter.least=4. Environment k of a seed is the same however many there are.
+    """
+    from trials.commands import options
+    from trials.commands.generating import Asked, generate
+
+    names = [name.strip() for name in vary.split(",")] if vary is not None else []
+    print(generate(Asked(schema, count, seed, out, options.settings(settings or []), names, filter_, workspace)))
 
 
 @app.command()

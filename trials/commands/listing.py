@@ -12,6 +12,7 @@ from typing import Any
 from flocking import found
 from flocking.obstacle_selection import OBSTACLE_SELECTIONS
 from flocking.selection import SELECTIONS
+from generation import found as schemas
 from trials import simulations
 from trials.commands.constants import constants
 from trials.design import experiments
@@ -24,9 +25,14 @@ BY_FILES: Mapping[str, Callable[[], dict[str, str]]] = {
     "experiments": experiments,
     "laws": lambda: found.modules("flocking.laws"),
     "pipelines": lambda: found.modules("sensing.pipelines"),
+    "filters": lambda: found.modules("generation.filters"),
+    "behaviours": lambda: found.modules("generation.behaviours"),
 }
 """Kinds that are a file each: their docstrings are read without running the files."""
-KINDS = ["experiments", "laws", "pipelines", "selections", "formations", "bodies", "worlds"]
+KINDS = [
+    "experiments", "laws", "pipelines", "selections", "formations", "bodies", "worlds", "schemas", "filters",
+    "behaviours",
+]  # fmt: skip
 
 
 def listing(what: str | None) -> str:
@@ -75,6 +81,8 @@ def _names(kind: str) -> dict[str, str]:
     if kind == "selections":
         documented: dict[str, Any] = {name: about.function for name, about in SELECTIONS.items()}
         documented |= {f"obstacles: {name}": about.function for name, about in OBSTACLE_SELECTIONS.items()}
+    elif kind == "schemas":
+        return {name: schemas.load(name).about.rstrip(".") for name in schemas.schemas()}
     elif kind in BY_FILES:
         return {name: _first_sentence(module) for name, module in sorted(BY_FILES[kind]().items())}
     else:
