@@ -245,7 +245,7 @@ def turn_columns(focal: Focal, squared: float, columns: Floats, near: Ints) -> N
 
 
 @borrowing
-def pack_columns(columns: Floats, near: Ints, positions: Floats, velocities: Floats, ids: Ints) -> int:
+def pack_columns(columns: Floats, near: Ints, positions: Floats, velocities: Floats, ids: Ints) -> np.int64:
     """Writes those within reach one after the other as inputs, whose flat rows these are; returns how many."""
     to_x, to_y, by_x, by_y = columns[4], columns[5], columns[6], columns[7]
     count, one = np.uint64(0), np.uint64(1)  # unsigned: no index is looked at for being negative
