@@ -41,6 +41,18 @@ class Asked(NamedTuple):
 
 def map_(asked: Asked) -> None:
     """Makes the map, writes it to a new folder, and prints its numbers. Raises `InputError`."""
+    from flocking import lawentry, users_files
+    from trials.commands import lawcheck
+
+    if os.path.lexists(asked.out):
+        raise InputError(f"--out {asked.out}: there is such a file or folder; expected a new one")
+    if lawentry.is_path(asked.law):
+        lawcheck.check(asked.law)
+    with users_files.executed(True):
+        _make(asked)
+
+
+def _make(asked: Asked) -> None:
     from trials import simulations
     from trials.batch.folders import write_whole
     from trials.simulations.maps import fields, loop
@@ -48,8 +60,6 @@ def map_(asked: Asked) -> None:
 
     trial = _trial(asked)
     simulations.check(trial)
-    if os.path.lexists(asked.out):
-        raise InputError(f"--out {asked.out}: there is such a file or folder; expected a new one")
     chosen = fields.chosen_by(trial)
     judging = loop.judging_of(trial, chosen)
     iterations: list[int] = []
