@@ -92,12 +92,12 @@ def is_path(name: str) -> bool:
     return name.lower().endswith(SUFFIXES) or os.sep in name
 
 
-def read(path: str, kind: str) -> str:
+def read(path: str, kind: str, expected: str = "a Python file") -> str:
     """The text of a user's own file; `InputError` if it cannot be read. `kind`: what it is to hold."""
     try:
         return Path(path).read_text(encoding="utf-8")
     except FileNotFoundError:
-        raise InputError(f"{kind} file {path!r} does not exist; expected a Python file") from None
+        raise InputError(f"{kind} file {path!r} does not exist; expected {expected}") from None
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(f"{kind} file {path!r} cannot be read: {' '.join(str(error).split())}") from None
 

@@ -61,9 +61,12 @@ def keep_within(positions: Floats, low_m: float, high_m: float, mask: Bools) -> 
 
 @compiled
 def keep_between(positions: Floats, least: float, below: float, mask: Bools) -> None:
-    """DistanceBased() by squared distances in [least, below), as `squared_bound` makes them: no root is taken."""
+    """DistanceBased() by squared distances in [least, below), as `squared_bound` makes them: no root is taken.
+
+    `positions` (2 · M,) flat: x, y, x, y and so on.
+    """
     for j in range(len(mask)):
-        squared = positions[j, 0] * positions[j, 0] + positions[j, 1] * positions[j, 1]
+        squared = positions[2 * j] * positions[2 * j] + positions[2 * j + 1] * positions[2 * j + 1]
         mask[j] &= (least <= squared) & (squared < below)
 
 

@@ -97,10 +97,19 @@ def grid(parameters: type, resolutions: Mapping[str, float]) -> Iterator[Any]:
     take all of their values, and their step is 1. All others keep their default.
     Raises `InputError` as `candidates`.
     """
-    candidates(parameters, resolutions)
+    total = candidates(parameters, resolutions)
     names = _varied(parameters, resolutions)
-    axes = [_axis(declared(parameters)[name], resolutions[name]) for name in names]
-    return (parameters(**dict(zip(names, values, strict=True))) for values in itertools.product(*axes))
+    return (_point(parameters, names, resolutions, index) for index in range(total))
+
+
+def _point(parameters: type, names: Sequence[str], resolutions: Mapping[str, float], index: int) -> Any:
+    """The point of a grid with this number: its digits, in a system whose bases are the numbers of values."""
+    values = {}
+    for name in reversed(names):
+        parameter = declared(parameters)[name]
+        index, digit = divmod(index, _points(parameter, resolutions[name]))
+        values[name] = _value(parameter, resolutions[name], digit)
+    return parameters(**values)
 
 
 def candidates(parameters: type, resolutions: Mapping[str, float]) -> int:
@@ -148,14 +157,12 @@ def _points(parameter: Declared, step: float) -> int:
     return math.floor((high - low) / step * (1.0 + 1e-12)) + 1  # the last point is not lost to rounding
 
 
-def _axis(parameter: Declared, step: float) -> list[Any]:
-    """The values of a parameter."""
-    count = _points(parameter, step)
+def _value(parameter: Declared, step: float, number: int) -> Any:
+    """The value of a parameter with this number."""
     if parameter.type is bool:
-        return [False, True]
+        return number == 1
     if parameter.type is str:
-        return list(parameter.about.choices)
-    low, high = parameter.about.low, parameter.about.high
+        return parameter.about.choices[number]
     if parameter.type is int:
-        return [int(low) + k * int(step) for k in range(count)]
-    return [min(low + k * step, high) for k in range(count)]
+        return int(parameter.about.low) + number * int(step)
+    return min(parameter.about.low + number * step, parameter.about.high)

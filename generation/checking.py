@@ -104,7 +104,7 @@ def checked_mark(mark: Mark, what: str, told: list[str]) -> Any:
         return None
     if isinstance(found, Polygon) and found.free != BOTH:
         shape = shapely.Polygon(found.corners_m)
-        if shape.area < SAME_M * SAME_M:
+        if shape.convex_hull.area < SAME_M * SAME_M:
             raise InputError(f"{what} has no inside: expected corners that are not on one line, or free both")
         if not shape.is_valid:
             told_why = " ".join(shapely.is_valid_reason(shape).split())

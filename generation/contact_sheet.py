@@ -46,10 +46,10 @@ def write(environments: Sequence[Environment], path: str | os.PathLike[str], tit
     for number, (environment, each, box) in enumerate(zip(shown, pieces, boxes, strict=True)):
         row, column = divmod(number, columns)
         shift = np.array([(column + 0.5) * side, -(row + 0.5) * side]) - (box[:2] + box[2:]) / 2
-        for colour, found in zip(lines, each, strict=False):
-            lines[colour].append(found + np.tile(shift, 2))
+        for colour, part in zip(lines, each, strict=True):
+            lines[colour].append(part + np.tile(shift, 2))
         for name, mark in environment.markers.items():
-            if isinstance(mark, Point) and not name.startswith("anchor-"):
+            if isinstance(mark, Point) and "anchor-" not in name:
                 places["tab:blue" if name == START else "tab:red"].append((mark.x_m + shift[0], mark.y_m + shift[1]))
                 headings += [mark.heading_rad] if name == START else []
         axes.text(column * side + 0.03 * side, -row * side - 0.03 * side, str(number + 1), fontsize=5, va="top")

@@ -118,4 +118,7 @@ def moved(mark: Mark, scale: float, turn_rad: float, x_m: float, y_m: float) -> 
 
 
 def _joined(primitives: Iterable[Primitive]) -> Floats:
+    primitives = tuple(primitives)
+    if all(type(primitive) is Segment for primitive in primitives):  # what most constructs are, in one go
+        return np.array(primitives, dtype=np.float64).reshape(-1, 4)
     return np.ascontiguousarray(np.concatenate([np.empty((0, 4)), *map(segments, primitives)]))

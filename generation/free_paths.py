@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
-from flocking.types import Floats
+from flocking.types import Bools, Floats
 
 SNAP_M = 1e-6
 """Walls nearer to one another than this are joined, m: by rounding, ends that meet do not. A choice."""
@@ -21,6 +21,12 @@ width at the most."""
 def hull(walls: Floats) -> shapely.Geometry:
     """The convex hull of walls; no more than a line or nothing where there are few."""
     return shapely.MultiPoint(np.asarray(walls).reshape(-1, 2)).convex_hull
+
+
+def inside(corners: Floats, places: Floats) -> Bools:
+    """(N,) whether places (N, 2) are inside of a polygon with these corners (K, 2), m."""
+    found: Bools = shapely.contains_xy(shapely.Polygon(corners), places[:, 0], places[:, 1])
+    return found
 
 
 def is_within(region: shapely.Geometry, around: shapely.Geometry) -> bool:

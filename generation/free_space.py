@@ -96,12 +96,28 @@ def reached(walls: Floats, start: Floats, points: Floats, radius_m: float = 0.0)
 
     Where the place itself is nearer to a wall than the radius, a point must do.
     """
+    radius = radius_m if distance(walls, start[None])[0] > radius_m else 0.0
     found = ~crossed(walls, start, points)
+    if radius > 0.0:
+        found &= _beside(walls, start, points) >= radius
     if found.all():
         return found
-    radius = radius_m if distance(walls, start[None])[0] > radius_m else 0.0
     regions = _regions(walls.tobytes(), radius)
     found[~found] = _region_of(regions, points[~found]) == _region_of(regions, start[None])[0]
+    return found
+
+
+def _beside(walls: Floats, start: Floats, points: Floats) -> Floats:
+    """(N,) how near the straight ways from a place (2,) to points (N, 2) pass by the ends of walls (K, 4), m."""
+    ways = np.hstack([np.broadcast_to(start, points.shape), points])
+    ends, found = walls.reshape(-1, 2), np.full(len(points), math.inf)
+    moving = (ways[:, :2] != ways[:, 2:]).any(axis=1)
+    if not len(ends) or not moving.any():
+        return found
+    step, nearest = max(1, _AT_A_TIME // len(points)), np.full(int(moving.sum()), math.inf)
+    for first in range(0, len(ends), step):
+        nearest = np.minimum(nearest, _apart(ways[moving], ends[first : first + step])[0].min(axis=0))
+    found[moving] = nearest
     return found
 
 

@@ -11,7 +11,9 @@ from generation import files
 from generation.environment import Environment
 
 JSON = ".json"
-SUFFIXES = (JSON,)
+PLANS = (".svg", ".dxf", ".yaml", ".yml")
+"""Of drawings and of ROS maps, whose libraries are imported only where there is one."""
+SUFFIXES = (JSON, *PLANS)
 """Of the files that can be read, in small letters."""
 
 
@@ -37,6 +39,10 @@ def _environment(path: str) -> tuple[Environment, list[str]]:
     suffix = Path(path).suffix.lower()
     if suffix == JSON:
         return files.read_mended(path)
+    if suffix in PLANS:
+        from generation import plans
+
+        return plans.read(path)
     raise InputError(f"environment file {path!r}: expected a name that ends in {' or '.join(SUFFIXES)}")
 
 

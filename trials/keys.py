@@ -15,7 +15,7 @@ from flocking.parameters import Parameter, checked, declared
 from trials import simulations
 from trials.rows import OF_GROUP, OF_TRIAL, Row, Section, below, in_words, rows_of
 from trials.types import Group, Trial
-from worlds import known
+from worlds import known, start_poses
 
 AVOIDS = "+"
 """Behind a law's name, adds the avoidance of obstacles that all laws share."""
@@ -95,6 +95,8 @@ def _placed(kept: Any, places: Mapping[str, str], prefix: str, name: str, value:
     """
     if isinstance(kept, Trial) and (prefix, name) == ("", "world"):
         return _in_world(kept, value)
+    if isinstance(kept, Trial) and (prefix, name) == ("", "formation"):
+        return _in_formation(kept, value)
     if not prefix and name in {field.name for field in dataclasses.fields(kept)}:
         return dataclasses.replace(kept, **{name: value})
     field, key = (places[prefix], name) if prefix in places else ("setup", f"{prefix}{name}")
@@ -109,6 +111,14 @@ def _in_world(trial: Trial, world: str) -> Trial:
     names = {name for section in sections if section.prefix == "world." for name in section.parameters}
     kept = {name: value for name, value in trial.world_parameters.items() if name in names}
     return dataclasses.replace(trial, world_parameters=kept)
+
+
+def _in_formation(trial: Trial, formation: str) -> Trial:
+    """A trial in another starting formation; a file of poses has no parameters."""
+    if not start_poses.is_file(formation):
+        return dataclasses.replace(trial, formation=formation, formation_source="")
+    text = start_poses.text_of(formation)
+    return dataclasses.replace(trial, formation=formation, formation_source=text, formation_parameters={})
 
 
 def _group_with(group: Group, prefix: str, name: str, value: Any) -> Group:

@@ -56,6 +56,8 @@ class Trial:
     seed: int = 1
     world_source: str = ""
     """Text of the user's own file of a world, whose path `world` is: it travels with the trial."""
+    formation_source: str = ""
+    """Likewise of a file of starting poses, whose path `formation` is."""
     world_parameters: Mapping[str, Value] = field(default_factory=dict)
     formation_parameters: Mapping[str, Value] = field(default_factory=dict)
     setup: Mapping[str, Value] = field(default_factory=dict)
@@ -65,8 +67,11 @@ class Trial:
     """The keys that the experiment, or a sweep, varies from trial to trial, with this trial's values."""
 
     def as_dict(self) -> dict[str, Any]:
-        """As plain dicts and lists, for JSON."""
-        return dataclasses.asdict(self)
+        """As plain dicts and lists, for JSON; without a text of starting poses where there is none."""
+        fields = dataclasses.asdict(self)
+        if not self.formation_source:  # so that the trials of earlier runs are still themselves
+            del fields["formation_source"]
+        return fields
 
     @staticmethod
     def from_dict(data: Mapping[str, Any]) -> Trial:

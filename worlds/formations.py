@@ -17,6 +17,7 @@ import numpy as np
 from flocking.errors import InputError, unknown_name
 from flocking.parameters import Parameter, filled
 from flocking.types import Floats
+from worlds import start_poses
 
 _ATTEMPTS = 100_000
 _CHOICE = "a choice: Fine 2015, figure 2.5, is drawn without numbers"
@@ -194,7 +195,9 @@ FORMATIONS: dict[str, Formation] = {
 
 
 def parameters_of(formation: str) -> type:
-    """The declared parameters of a formation. Raises `InputError` for an unknown one."""
+    """The declared parameters of a formation; a file of poses has none. Raises `InputError` for an unknown one."""
+    if start_poses.is_file(formation):
+        return start_poses.Parameters
     if formation not in FORMATIONS:
         raise unknown_name("formation", formation, FORMATIONS)
     return FORMATIONS[formation].parameters

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from flocking.errors import InputError
 from flocking.types import Bools, Floats
@@ -44,6 +45,18 @@ class Starting(NamedTuple):
     """(N,) m."""
     together: Bools
     """(N,) which of them stand in the formation about the world's start."""
+
+
+def check_apart(herd: Starting) -> None:
+    """Refuses members that overlap: `InputError`."""
+    places, widest = herd.poses_w[:, :2], 2.0 * float(herd.radii.max(initial=0.0))
+    for a, b in sorted(cKDTree(places).query_pairs(widest)) if widest > 0.0 else ():
+        overlap = herd.radii[a] + herd.radii[b] - math.hypot(*(places[a] - places[b]))
+        if overlap > 0.0:
+            raise InputError(
+                f"{herd.names[a]} and {herd.names[b]} overlap by {overlap:.2f} m at the start; "
+                "expected formations that stand apart"
+            )
 
 
 def check(herd: Starting, environment: Environment, half_fence_m: float = 0.0) -> None:

@@ -135,11 +135,29 @@ def _room_behind(segments: Floats, k: int) -> tuple[float, float, float]:
     goes = np.hypot(along[:, 0] - length, behind[:, 0]) < _SAME
     before = THICKNESS if np.any(behind[comes, 0] < -_SAME) else 0.0
     past = THICKNESS if np.any(behind[goes, 1] < -_SAME) else 0.0
+    depth = _depth(along, behind, -before, length + past)
+    if depth < _THINNEST:  # at a corner of thin walls a box that reaches as far would come out of the next one
+        alone = _depth(along, behind, 0.0, length)
+        for reach in (alone, 0.0):
+            before, past = min(before, reach), min(past, reach)
+            depth = _depth(along, behind, -before, length + past)
+            if depth >= _THINNEST:
+                break
+    if depth < _THINNEST:
+        raise InputError(
+            f"wall {k + 1} from ({x0:g}, {y0:g}) to ({x1:g}, {y1:g}) m has no room behind its face: expected walls "
+            "that do not cross, and solids without corners sharper than 68 degrees"
+        )
+    return before, past, depth
+
+
+def _depth(along: Floats, behind: Floats, start: float, end: float) -> float:
+    """How deep the box of a segment may be that reaches from `start` to `end`, m, with the others (K, 2) beside it."""
     depth = THICKNESS
-    # the part of each other segment between this one's ends, as shares of its length
+    # the part of each other segment between these ends, as shares of its length
     (a0, a1), (b0, b1) = along.T, behind.T
     span = a1 - a0
-    low, high = -before + _SAME, length + past - _SAME
+    low, high = start + _SAME, end - _SAME
     across = np.abs(span) < _SAME
     over = np.where(across, 1.0, span)
     one, other = (low - a0) / over, (high - a0) / over
@@ -150,9 +168,4 @@ def _room_behind(segments: Floats, k: int) -> tuple[float, float, float]:
     behind_it = (first < last) & (np.maximum(at_first, at_last) > _SAME)
     if behind_it.any():
         depth = min(depth, max(float(np.minimum(at_first, at_last)[behind_it].min()), 0.0))
-    if depth < _THINNEST:
-        raise InputError(
-            f"wall {k + 1} from ({x0:g}, {y0:g}) to ({x1:g}, {y1:g}) m has no room behind its face: expected walls "
-            "that do not cross, and solids without corners sharper than 68 degrees"
-        )
-    return before, past, depth
+    return depth

@@ -19,7 +19,7 @@ from flocking.kinematic.arrays import Bodies, HerdArrays, Place, Stages, Tracks
 from flocking.kinematic.cells import binned, cells_of
 from flocking.kinematic.mind import decide, near_walls_of
 from flocking.kinematic.motion import move
-from flocking.kinematic.sight import Crowd, assemble, scratch
+from flocking.kinematic.sight import Crowd, assemble, in_columns, scratch
 from flocking.kinematic.walls import shortest
 from flocking.lawentry import ENTRY_SIGNATURE
 from flocking.types import Floats, Ints
@@ -97,6 +97,8 @@ def synchronous(
             crowd = sorted_
             cells = cells_of(cells, everybody)
         by_cells = cells.columns > 0 and len(who) == count
+        if room.columns.shape[1] > 0:
+            in_columns(bodies, room.columns)
         seen = len(room.near_walls)
         if walled:
             seen = near_walls_of(bodies.positions, herd.place.walls, stages.sight, room.near_walls)
@@ -204,6 +206,8 @@ def asynchronous(
         for k in range(order.shape[1]):
             i = order[step, k]
             turn[0], turn[1] = step, i
+            if room.columns.shape[1] > 0:
+                in_columns(bodies, room.columns)
             sound = decide(law, i, i, stages, herd, crowd, cells, room.near_walls, draws[step, k], room)
             motions[i] = room.motion
             if not sound:

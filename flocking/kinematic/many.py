@@ -1,4 +1,4 @@
-"""Many small herds of one band, one after the other in one compiled call: what `simulate` does, without its set-up each.
+"""Many small herds of one band, one after the other in one compiled call: what `simulate` does, set up only once.
 
 Herds differ in their start, their walls and their random numbers; all else they share. The kernel is the one of
 `flocking.kinematic.kernel`, so that each herd's positions are those of `simulate`, bit for bit. Metres, world frame.
@@ -69,9 +69,7 @@ def positions_of(
         at_a_time = max(1, min(most, int(PIECE_S / max(each, 1e-9)), 4 * at_a_time))
 
 
-def _together(
-    herd: KinematicHerd, starts: Sequence[Start], schedule: Schedule, speeds: Floats
-) -> tuple[Floats, str]:
+def _together(herd: KinematicHerd, starts: Sequence[Start], schedule: Schedule, speeds: Floats) -> tuple[Floats, str]:
     """One call of the compiled code: the positions (J, steps + 1, N, 2) of the herds, and why the one after failed."""
     from flocking.kinematic.kernel import many
 

@@ -18,7 +18,6 @@ from flocking.obstacle_selection import keep_selected
 from flocking.perception import ARGUMENTS, Step, keep, keep_between, keep_cone, keep_within
 from flocking.types import ANONYMOUS, Bools, Floats, Ints, Kind
 
-
 SLACK = 1e-9
 """Relative: what rounding may take from a distance, many times over."""
 
@@ -60,16 +59,14 @@ def hides(x: float, y: float, px: float, py: float, wall: Floats) -> bool:
 @borrowing
 def in_sight(x: float, y: float, px: float, py: float, walls: Floats) -> bool:
     """Whether no wall hides the point (px, py) from (x, y)."""
-    for w in range(len(walls)):
+    for w in range(len(walls)):  # noqa: SIM110 (a loop allocates nothing)
         if hides(x, y, px, py, walls[w]):
             return False
     return True
 
 
 @borrowing
-def obstacles_seen(
-    focal: Focal, walls: Floats, near: Ints, sight: float, sight_lines: bool, points: Floats
-) -> int:
+def obstacles_seen(focal: Focal, walls: Floats, near: Ints, sight: float, sight_lines: bool, points: Floats) -> int:
     """Writes the nearest point of each wall of those `near` that is within sight, body frame; returns their number."""
     x, y, c, s = focal.x, focal.y, focal.cosine, focal.sine
     count = 0
@@ -137,7 +134,7 @@ def select(i: int, found: int, stages: Stages, minds: Minds, place: Place, room:
                 if stages.varied:
                     keep_within(positions, own[0], own[1], mask)
                 else:
-                    keep_between(positions, own[LEAST], own[BELOW], mask)
+                    keep_between(room.flat_positions, own[LEAST], own[BELOW], mask)
             elif step == Step.ANGLE and not stages.bearings:
                 keep_cone(positions, math.cos(math.radians(own[0])) if stages.varied else own[COSINE], mask)
             else:

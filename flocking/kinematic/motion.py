@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 
 from flocking.angles import wrap
-from flocking.compilation import borrowing
+from flocking.compilation import borrowing, inlined
 from flocking.kinematic.arrays import Bodies, HerdArrays, Limits, Place
 from flocking.kinematic.walls import until_touch, until_wall
 from flocking.types import Floats, Kind
@@ -89,7 +89,7 @@ def press(bodies: Bodies, i: int, hit_x: float, hit_y: float) -> None:
             bodies.contacts[i, 1] = True
 
 
-@borrowing
+@inlined
 def stopped(
     i: int, x: float, y: float, dx: float, dy: float, bodies: Bodies, others: Floats, limits: Limits, place: Place
 ) -> tuple[float, float]:
@@ -123,7 +123,7 @@ def within(x: float, period: float) -> float:
     return x
 
 
-@borrowing
+@inlined
 def displace(i: int, herd: HerdArrays, others: Floats) -> None:
     """Moves member i by its velocity for one step; what stops it stops its velocity too."""
     bodies, limits, place, dt = herd.bodies, herd.limits, herd.place, herd.dt
@@ -137,7 +137,7 @@ def displace(i: int, herd: HerdArrays, others: Floats) -> None:
     bodies.positions[i, 0], bodies.positions[i, 1] = within(nx, place.period), within(ny, place.period)
 
 
-@borrowing
+@inlined
 def move(i: int, herd: HerdArrays, others: Floats) -> None:
     """Moves member i by one step, as it decided. `others` (N, 2) are the positions that it may run into."""
     bodies, limits, dt = herd.bodies, herd.limits, herd.dt

@@ -152,8 +152,23 @@ def _obstacles(position: Floats, to_body: Floats, walls: Floats, band: Band) -> 
     along = ends - starts
     parts = ((position - starts) * along).sum(axis=1) / (along * along).sum(axis=1)
     offsets = starts + np.clip(parts, 0.0, 1.0)[:, None] * along - position
-    points = offsets[np.hypot(*offsets.T) <= band.sight_m] @ to_body.T
+    seen = np.hypot(*offsets.T) <= band.sight_m
+    if band.sight_lines:
+        seen &= [not any(_cross(position, offset, wall) for wall in walls) for offset in offsets]
+    points = offsets[seen] @ to_body.T
     return obstacle_selection.select(obstacle_selection.parse(band.obstacle_selection), Obstacles(points))
+
+
+def _cross(position: Floats, offset: Floats, wall: Floats) -> bool:
+    """Whether the way from a position by an offset, but for its very end, crosses a wall (4,)."""
+    along, way = wall[2:] - wall[:2], (1.0 - 1e-9) * offset
+    across = way[0] * along[1] - way[1] * along[0]
+    if across == 0.0:
+        return False
+    to_wall = wall[:2] - position
+    part = (to_wall[0] * along[1] - to_wall[1] * along[0]) / across
+    share = (to_wall[0] * way[1] - to_wall[1] * way[0]) / across
+    return bool(0.0 <= part <= 1.0 and 0.0 <= share <= 1.0)
 
 
 def _move(i: int, band: Band, motion: Motion, now: Bodies, after: Bodies, around: Surroundings) -> None:

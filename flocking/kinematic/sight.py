@@ -14,7 +14,7 @@ from flocking.angles import turn_between
 from flocking.compilation import borrowing, compiled, inlined
 from flocking.kinematic import detection
 from flocking.kinematic.arrays import BEARINGS, Bodies, Stages
-from flocking.kinematic.cells import Cells, nearby
+from flocking.kinematic.cells import FEWEST_MEMBERS, Cells, nearby
 from flocking.kinematic.walls import shortest
 from flocking.lawentry import OWN_SIZE
 from flocking.perception import ARGUMENTS
@@ -82,6 +82,11 @@ class Scratch(NamedTuple):
     """(BEAMS,) the candidate that each reading falls on, -1 = none."""
     motion: Floats
     """(4,) kind, x, y and rule of what its law decided."""
+    flat_positions: Floats
+    """(2 · M,) the same memory as `positions`, and the next as `velocities`: so an index costs no multiplication."""
+    flat_velocities: Floats
+    columns: Floats
+    """(8, N) of all members x, y, vx, vy, world, then body frame; (8, 0) where members are looked at one by one."""
     near_walls: Ints
     """(W,) the walls that anybody may see, those first that `near_walls_of` counts."""
 
@@ -93,15 +98,17 @@ def scratch(count: int, stages: Stages, walls: int) -> Scratch:
     if stages.detection != detection.Detection.PERFECT:
         beams = detection.BEAMS
     room = max(count, beams) + walls
+    plain = beams == 0 and stages.velocities and not stages.headings and count < FEWEST_MEMBERS
+    flat_positions, flat_velocities = np.empty(2 * room), np.full(2 * room, np.nan)
     return Scratch(
         np.zeros(OWN_SIZE),
         np.empty(18, np.int64),
         np.empty(count, np.int64),
         np.empty((count, 2)),
-        np.empty((room, 2)),
+        flat_positions.reshape(room, 2),
         np.empty(room),
         np.full(room, np.nan),
-        np.full((room, 2), np.nan),
+        flat_velocities.reshape(room, 2),
         np.empty(room, np.int64),
         np.empty(room, np.int64),
         np.empty(room * sets, np.bool_),
@@ -113,6 +120,9 @@ def scratch(count: int, stages: Stages, walls: int) -> Scratch:
         np.empty(beams),
         np.empty(beams, np.int64),
         np.empty(4),
+        flat_positions,
+        flat_velocities,
+        np.empty((8, count if plain else 0)),
         np.arange(walls),
     )
 
@@ -186,7 +196,7 @@ def turn_all(vectors: Floats, count: int, c: float, s: float, out: Floats) -> No
 
 @inlined
 def describe(focal: Focal, found: int, stages: Stages, crowd: Crowd, room: Scratch) -> None:
-    """Writes heading, velocity (body axes) and id of each input from the member that it is of; nan for what is not read."""
+    """Writes heading, velocity (body axes) and id of each input from its member; what is not read stays nan."""
     c, s, sources = focal.cosine, focal.sine, room.sources
     all_headings, all_velocities, all_ids = crowd.headings, crowd.velocities, crowd.ids
     headings, velocities, ids = room.headings, room.velocities, room.ids
@@ -206,25 +216,49 @@ def describe(focal: Focal, found: int, stages: Stages, crowd: Crowd, room: Scrat
         velocities[:found] = math.nan
 
 
-@inlined
-def of_all_at_once(focal: Focal, reach: float, crowd: Crowd, room: Scratch) -> int:
-    """What `detected` does where all members are looked at, perfectly, in space without period, and no heading is read.
+@borrowing
+def in_columns(bodies: Bodies, columns: Floats) -> None:
+    """Writes x, y, vx and vy of all members into the first four rows of `columns`."""
+    xs, ys, vxs, vys = columns[0], columns[1], columns[2], columns[3]
+    for j in range(len(bodies.positions)):
+        xs[j], ys[j] = bodies.positions[j, 0], bodies.positions[j, 1]
+        vxs[j], vys[j] = bodies.velocities[j, 0], bodies.velocities[j, 1]
 
-    One pass over the members: each is written, and counted if it is within reach.
+
+@borrowing
+def turn_columns(focal: Focal, squared: float, columns: Floats, near: Ints) -> None:
+    """Writes where all members are and how they move, body frame, into the last four rows; 1 for those within reach.
+
+    Nothing in its loops depends on the member before, so that a processor does several at a time.
     """
-    i, x, y, c, s = focal.id, focal.x, focal.y, focal.cosine, focal.sine
-    all_positions, all_velocities, all_ids = crowd.positions, crowd.velocities, crowd.ids
-    positions, velocities, ids, sources = room.positions, room.velocities, room.ids, room.sources
-    squared, count = reach * reach, 0
-    for j in range(len(all_positions)):
-        dx, dy = all_positions[j, 0] - x, all_positions[j, 1] - y
-        vx, vy = all_velocities[j, 0], all_velocities[j, 1]
-        positions[count, 0], positions[count, 1] = c * dx + s * dy, c * dy - s * dx
-        velocities[count, 0], velocities[count, 1] = c * vx + s * vy, c * vy - s * vx
-        ids[count] = all_ids[j]
-        sources[count] = j
-        count += (dx * dx + dy * dy <= squared) & (all_ids[j] != i)
-    return count
+    x, y, c, s = focal.x, focal.y, focal.cosine, focal.sine
+    xs, ys, vxs, vys = columns[0], columns[1], columns[2], columns[3]
+    to_x, to_y, by_x, by_y = columns[4], columns[5], columns[6], columns[7]
+    for j in range(len(xs)):
+        dx, dy = xs[j] - x, ys[j] - y
+        to_x[j], to_y[j] = c * dx + s * dy, c * dy - s * dx
+        near[j] = dx * dx + dy * dy <= squared
+    for j in range(len(xs)):
+        vx, vy = vxs[j], vys[j]
+        by_x[j], by_y[j] = c * vx + s * vy, c * vy - s * vx
+    near[focal.id] = 0
+
+
+@borrowing
+def pack_columns(columns: Floats, near: Ints, positions: Floats, velocities: Floats, ids: Ints) -> int:
+    """Writes those within reach one after the other as inputs, whose flat rows these are; returns how many."""
+    to_x, to_y, by_x, by_y = columns[4], columns[5], columns[6], columns[7]
+    count, one = np.uint64(0), np.uint64(1)  # unsigned: no index is looked at for being negative
+    for j in range(len(near)):
+        x, y, vx, vy, counts = to_x[j], to_y[j], by_x[j], by_y[j], near[j]
+        at = count + count
+        positions[at] = x
+        positions[at + one] = y
+        velocities[at] = vx
+        velocities[at + one] = vy
+        ids[count] = j
+        count += np.uint64(counts)
+    return int(np.int64(count))
 
 
 @borrowing
@@ -255,8 +289,9 @@ def owners_of(found: int, candidates_: Ints, sources: Ints) -> None:
 def detected(focal: Focal, stages: Stages, crowd: Crowd, cells: Cells, period: float, room: Scratch) -> int:
     """Stage 2: writes the set D of the focal member in its body frame; returns its size."""
     perfect = stages.detection == detection.Detection.PERFECT
-    if perfect and period == 0.0 and cells.columns == 0 and stages.velocities and not stages.headings:
-        found = of_all_at_once(focal, stages.reach, crowd, room)
+    if room.columns.shape[1] > 0 and period == 0.0 and cells.columns == 0:
+        turn_columns(focal, stages.reach * stages.reach, room.columns, room.candidates)
+        found = pack_columns(room.columns, room.candidates, room.flat_positions, room.flat_velocities, room.ids)
         if stages.information == BEARINGS:
             at_distance(room.positions, found, stages.assumed_distance)
         if stages.bearings:

@@ -73,9 +73,9 @@ def law(
             to_x += x
             to_y += y
             squared = x * x + y * y
-            weight = 1.0 / squared if 0.0 < squared < nearest else 0.0
-            away_x -= x * weight
-            away_y -= y * weight
+            if 0.0 < squared < nearest:
+                away_x -= x / squared
+                away_y -= y / squared
     away_x, away_y = unit(away_x, away_y)
     with_x, with_y = unit(with_x, with_y)
     to_x, to_y = unit(to_x, to_y)

@@ -11,7 +11,7 @@ import math
 
 import numpy as np
 
-from flocking.compilation import compiled
+from flocking.compilation import borrowing, compiled
 from flocking.types import Floats, Ints
 
 TOLERANCE_M = 1e-6
@@ -21,7 +21,7 @@ SHORTEST_M = 1e-3
 """Lines shorter than this are not drawn, m. A choice: a millimetre."""
 
 
-@compiled
+@borrowing
 def lies_on(x: float, y: float, line: Floats) -> bool:
     """Whether a place lies on a line (4,)."""
     dx, dy = line[2] - line[0], line[3] - line[1]
@@ -32,7 +32,7 @@ def lies_on(x: float, y: float, line: Floats) -> bool:
     return abs(rx * uy - ry * ux) <= TOLERANCE_M and -TOLERANCE_M <= along <= length + TOLERANCE_M
 
 
-@compiled
+@borrowing
 def holds(lines: Floats, kinds: Ints, x0: float, y0: float, x1: float, y1: float, kind: int) -> bool:
     """Whether the line from (x0, y0) to (x1, y1) is a part of one of these maximal lines of its kind."""
     for k in range(lines.shape[0]):
@@ -44,98 +44,113 @@ def holds(lines: Floats, kinds: Ints, x0: float, y0: float, x1: float, y1: float
 @compiled
 def summed(lines: Floats, kinds: Ints, more: Floats, more_kinds: Ints) -> tuple[Floats, Ints]:
     """The maximal lines of both together; the first have to be maximal already. Those of `more` come last, in order."""
-    most = lines.shape[0] + more.shape[0]
+    most = kinds.size + more_kinds.size
     out, out_kinds = np.empty((most, 4)), np.empty(most, np.int64)
-    count = lines.shape[0]
-    out[:count], out_kinds[:count] = lines, kinds
-    grown = np.empty(4)
-    for m in range(more.shape[0]):
-        grown[:] = more[m]
-        kind = more_kinds[m]
-        merged = True
-        while merged:  # a line that has grown may reach another
-            merged = False
-            kept = 0
-            for k in range(count):
-                if not merged and out_kinds[k] == kind and _meets(out[k], grown):
-                    _merge(grown, out[k])
-                    merged = True
-                else:
-                    out[kept], out_kinds[kept] = out[k], out_kinds[k]
-                    kept += 1
-            count = kept
-        out[count], out_kinds[count] = grown, kind
-        count += 1
-    return out[:count].copy(), out_kinds[:count].copy()
+    count = _copied(lines, kinds, out, out_kinds)
+    for m in range(more_kinds.size):
+        count = _put(more[m], more_kinds[m], out, out_kinds, count)
+    return out[:count], out_kinds[:count]
+
+
+@borrowing
+def _put(line: Floats, kind: int, out: Floats, out_kinds: Ints, count: int) -> int:
+    """Adds a line to the first `count` of `out`, merged with those that it meets, and returns their new number."""
+    x0, y0, x1, y1 = line
+    while True:  # a line that has grown may reach another
+        met = -1
+        for k in range(count):
+            if met < 0 and out_kinds[k] == kind and _meets(out[k], x0, y0, x1, y1):
+                met = k
+                x0, y0, x1, y1 = _merged(out[k], x0, y0, x1, y1)
+            elif met >= 0:
+                _set(out, out_kinds, k - 1, out[k, 0], out[k, 1], out[k, 2], out[k, 3], out_kinds[k])
+        if met < 0:
+            _set(out, out_kinds, count, x0, y0, x1, y1, kind)
+            return count + 1
+        count -= 1
 
 
 @compiled
 def without(lines: Floats, kinds: Ints, taken: Floats, taken_kinds: Ints) -> tuple[Floats, Ints]:
     """What is left of maximal lines where these are taken away."""
-    most = lines.shape[0] + taken.shape[0]  # each that is taken lies within one line at the most
+    most = kinds.size + taken_kinds.size  # each that is taken lies within one line at the most
     out, out_kinds = np.empty((most, 4)), np.empty(most, np.int64)
-    count = lines.shape[0]
-    out[:count], out_kinds[:count] = lines, kinds
-    for t in range(taken.shape[0]):
-        for k in range(count):
-            if out_kinds[k] != taken_kinds[t] or not _meets(out[k], taken[t]):
-                continue
-            x0, y0, x1, y1 = out[k, 0], out[k, 1], out[k, 2], out[k, 3]
-            length = math.hypot(x1 - x0, y1 - y0)
-            ux, uy = (x1 - x0) / length, (y1 - y0) / length
-            a = (taken[t, 0] - x0) * ux + (taken[t, 1] - y0) * uy
-            b = (taken[t, 2] - x0) * ux + (taken[t, 3] - y0) * uy
-            low, high = min(a, b), max(a, b)
-            if min(high, length) - max(low, 0.0) <= TOLERANCE_M:  # they only touch
-                continue
-            before, after = low > TOLERANCE_M, high < length - TOLERANCE_M
-            if before:
-                out[k, 2], out[k, 3] = x0 + low * ux, y0 + low * uy
-            if after and not (before and count == most):
-                at = count if before else k
-                out[at, 0], out[at, 1] = x0 + high * ux, y0 + high * uy
-                out[at, 2], out[at, 3] = x1, y1
-                out_kinds[at] = out_kinds[k]
-                if before:
-                    count += 1
-            if not before and not after:
-                out_kinds[k] = -1  # gone
-    kept = 0
+    count = _copied(lines, kinds, out, out_kinds)
+    for t in range(taken_kinds.size):
+        count = _cut(taken[t], taken_kinds[t], out, out_kinds, count)
+    return out[:count], out_kinds[:count]
+
+
+@borrowing
+def _cut(line: Floats, kind: int, out: Floats, out_kinds: Ints, count: int) -> int:
+    """Takes a line away from the first `count` lines of `out`, and returns their new number."""
+    kept, total = 0, count
     for k in range(count):
-        if out_kinds[k] >= 0:
-            out[kept], out_kinds[kept] = out[k], out_kinds[k]
+        x0, y0, x1, y1 = out[k]
+        of = out_kinds[k]
+        if of != kind or not _meets(line, x0, y0, x1, y1):
+            _set(out, out_kinds, kept, x0, y0, x1, y1, of)
             kept += 1
-    return out[:kept].copy(), out_kinds[:kept].copy()
+            continue
+        length = math.hypot(x1 - x0, y1 - y0)
+        ux, uy = (x1 - x0) / length, (y1 - y0) / length
+        a = (line[0] - x0) * ux + (line[1] - y0) * uy
+        b = (line[2] - x0) * ux + (line[3] - y0) * uy
+        low, high = min(a, b), max(a, b)
+        before, after = low > TOLERANCE_M, high < length - TOLERANCE_M
+        if before and after and low < high and total < out_kinds.size:
+            _set(out, out_kinds, total, x0 + high * ux, y0 + high * uy, x1, y1, of)
+            total += 1
+            after = False
+        if before:
+            _set(out, out_kinds, kept, x0, y0, x0 + min(low, length) * ux, y0 + min(low, length) * uy, of)
+            kept += 1
+        elif after:
+            _set(out, out_kinds, kept, x0 + max(high, 0.0) * ux, y0 + max(high, 0.0) * uy, x1, y1, of)
+            kept += 1
+    for k in range(count, total):
+        _set(out, out_kinds, kept, out[k, 0], out[k, 1], out[k, 2], out[k, 3], out_kinds[k])
+        kept += 1
+    return kept
 
 
-@compiled
-def _meets(one: Floats, other: Floats) -> bool:
+@borrowing
+def _copied(lines: Floats, kinds: Ints, out: Floats, out_kinds: Ints) -> int:
+    for k in range(kinds.size):
+        _set(out, out_kinds, k, lines[k, 0], lines[k, 1], lines[k, 2], lines[k, 3], kinds[k])
+    return int(kinds.size)
+
+
+@borrowing
+def _set(out: Floats, out_kinds: Ints, k: int, x0: float, y0: float, x1: float, y1: float, kind: int) -> None:
+    out[k, 0], out[k, 1], out[k, 2], out[k, 3], out_kinds[k] = x0, y0, x1, y1, kind
+
+
+@borrowing
+def _meets(line: Floats, x0: float, y0: float, x1: float, y1: float) -> bool:
     """Whether two lines lie in one direction and overlap or touch end to end."""
-    length = math.hypot(one[2] - one[0], one[3] - one[1])
-    second = math.hypot(other[2] - other[0], other[3] - other[1])
-    if second > length:  # the longer one has the better direction
-        one, other, length = other, one, second
-    ux, uy = (one[2] - one[0]) / length, (one[3] - one[1]) / length
-    ax, ay, bx, by = other[0] - one[0], other[1] - one[1], other[2] - one[0], other[3] - one[1]
-    if abs(ax * uy - ay * ux) > TOLERANCE_M or abs(bx * uy - by * ux) > TOLERANCE_M:
+    u0, v0, u1, v1 = line
+    if math.hypot(x1 - x0, y1 - y0) > math.hypot(u1 - u0, v1 - v0):  # the longer one has the better direction
+        u0, v0, u1, v1, x0, y0, x1, y1 = x0, y0, x1, y1, u0, v0, u1, v1
+    length = math.hypot(u1 - u0, v1 - v0)
+    ux, uy = (u1 - u0) / length, (v1 - v0) / length
+    if abs((x0 - u0) * uy - (y0 - v0) * ux) > TOLERANCE_M or abs((x1 - u0) * uy - (y1 - v0) * ux) > TOLERANCE_M:
         return False
-    a, b = ax * ux + ay * uy, bx * ux + by * uy
+    a, b = (x0 - u0) * ux + (y0 - v0) * uy, (x1 - u0) * ux + (y1 - v0) * uy
     return min(a, b) <= length + TOLERANCE_M and max(a, b) >= -TOLERANCE_M
 
 
-@compiled
-def _merge(grown: Floats, other: Floats) -> None:
-    """Makes the first line reach over the second, with which it meets."""
-    ux, uy = grown[2] - grown[0], grown[3] - grown[1]
-    if math.hypot(other[2] - other[0], other[3] - other[1]) > math.hypot(ux, uy):
-        ux, uy = other[2] - other[0], other[3] - other[1]
-        if ux * (grown[2] - grown[0]) + uy * (grown[3] - grown[1]) < 0.0:
-            ux, uy = -ux, -uy
-    x0, y0, x1, y1 = grown[0], grown[1], grown[2], grown[3]
-    for k in range(2):
-        x, y = other[2 * k], other[2 * k + 1]
+@borrowing
+def _merged(line: Floats, x0: float, y0: float, x1: float, y1: float) -> tuple[float, float, float, float]:
+    """The line over two that meet, in the direction of the second."""
+    ux, uy = x1 - x0, y1 - y0
+    if math.hypot(line[2] - line[0], line[3] - line[1]) > math.hypot(ux, uy):
+        sense = math.copysign(1.0, ux * (line[2] - line[0]) + uy * (line[3] - line[1]))
+        ux, uy = sense * (line[2] - line[0]), sense * (line[3] - line[1])
+    for k in range(0, 4, 2):
+        x, y = line[k], line[k + 1]
         if x * ux + y * uy < x0 * ux + y0 * uy:
             x0, y0 = x, y
         if x * ux + y * uy > x1 * ux + y1 * uy:
             x1, y1 = x, y
-    grown[0], grown[1], grown[2], grown[3] = x0, y0, x1, y1
+    return x0, y0, x1, y1

@@ -15,9 +15,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from flocking.compilation import compiled
+from flocking.compilation import borrowing
 from flocking.errors import InputError
-from flocking.types import Floats
+from flocking.types import Floats, Ints
 from generation.grammar.lines import TOLERANCE_M, holds
 from generation.grammar.shapes import TOLERANCE_RAD, Shape, is_one
 
@@ -26,6 +26,10 @@ TOLERANCE_SCALE = 1e-6
 """Scales nearer to one than this are one. A choice, as that of places."""
 LEAST_ANGLE = 1e-4
 """Lines that are nearer to parallel than this, rad, are parallel. A choice."""
+
+
+CAPACITY = 64
+"""Matches for which there is room at first. A choice."""
 
 
 class Allowed(NamedTuple):
@@ -103,17 +107,30 @@ class Search(NamedTuple):
     allowed: Allowed
     least: float
     most_m: float
-    found: list[tuple[float, float, float, float, float]]
-    """After a first entry that means nothing."""
+    found: Floats
+    """(capacity, 5) the similarities, in the order in which they were found."""
+    total: Ints
+    """(1,) their number; beyond the capacity they are counted only."""
 
 
-@compiled
 def matches(left: Shape, host: Shape, plan: Plan, allowed: Allowed, least: float, most_m: float) -> Floats:
     """(M, 5) all similarities (`shapes.Similarity.row`) under which `left` is a sub-shape of `host`.
 
     Those of a scale below `least`, and those that shift by more than `most_m`, are left out.
     """
-    search = Search(left, host, plan, allowed, least, most_m, [(0.0, 0.0, 0.0, 0.0, 0.0)])
+    capacity = CAPACITY
+    while True:
+        found, total = np.empty((capacity, 5)), np.zeros(1, np.int64)
+        _search(Search(left, host, plan, allowed, least, most_m, found, total))
+        if total[0] <= capacity:
+            return found[: total[0]]
+        capacity = int(total[0])
+
+
+@borrowing
+def _search(search: Search) -> None:
+    """Tries all similarities that bring the anchor of the left side to its like in the host."""
+    left, host, plan = search.left, search.host, search.plan
     if plan.anchor == LABEL:
         px, py = left.places[plan.first, 0], left.places[plan.first, 1]
         for k in range(host.labels.size):
@@ -138,14 +155,9 @@ def matches(left: Shape, host: Shape, plan: Plan, allowed: Allowed, least: float
                         px, py = left.lines[line, end], left.lines[line, end + 1]
                         _from(px, py, host.lines[i, 0], host.lines[i, 1], np.nan, i, line, search)
                         _from(px, py, host.lines[i, 2], host.lines[i, 3], np.nan, i, line, search)
-    out = np.empty((len(search.found) - 1, 5))
-    for k in range(1, len(search.found)):
-        for n in range(5):
-            out[k - 1, n] = search.found[k][n]
-    return out
 
 
-@compiled
+@borrowing
 def _from(px: float, py: float, x: float, y: float, heading: float, on: int, line: int, search: Search) -> None:
     """Tries all similarities that bring (px, py) of the left side to (x, y) of the host.
 
@@ -195,7 +207,7 @@ def _from(px: float, py: float, x: float, y: float, heading: float, on: int, lin
                         _both(px, py, qx, qy, x, y, host.lines[k, 2], host.lines[k, 3], search)
 
 
-@compiled
+@borrowing
 def _both(px: float, py: float, qx: float, qy: float, x: float, y: float, u: float, v: float, search: Search) -> None:
     """Tries the two similarities that bring (px, py) and (qx, qy) of the left side to (x, y) and (u, v) of the host."""
     dx, dy, ex, ey = qx - px, qy - py, u - x, v - y
@@ -207,7 +219,7 @@ def _both(px: float, py: float, qx: float, qy: float, x: float, y: float, u: flo
         _try((ex * dx - ey * dy) / square, (ey * dx + ex * dy) / square, -1.0, px, py, x, y, search)
 
 
-@compiled
+@borrowing
 def _turned(angle: float, to: float, px: float, py: float, x: float, y: float, search: Search) -> None:
     """Tries the two similarities without scale that turn a direction of the left side to one of the host."""
     _try(math.cos(to - angle), math.sin(to - angle), 1.0, px, py, x, y, search)
@@ -215,7 +227,7 @@ def _turned(angle: float, to: float, px: float, py: float, x: float, y: float, s
         _try(math.cos(to + angle), math.sin(to + angle), -1.0, px, py, x, y, search)
 
 
-@compiled
+@borrowing
 def _try(c: float, s: float, m: float, px: float, py: float, x: float, y: float, search: Search) -> None:
     """Adds a similarity to those found if it is allowed, new, and brings the whole left side onto the host."""
     scale = math.hypot(c, s)
@@ -236,14 +248,18 @@ def _try(c: float, s: float, m: float, px: float, py: float, x: float, y: float,
         if math.hypot(tx, ty) > TOLERANCE_M:
             return
         tx, ty = 0.0, 0.0
-    for a, b, n, u, v in search.found[1:]:
+    for k in range(min(search.total[0], search.found.shape[0])):
+        a, b, n, u, v = search.found[k]
         if n == m and math.hypot(a - c, b - s) <= TOLERANCE_SCALE * scale and math.hypot(u - tx, v - ty) <= TOLERANCE_M:
             return
     if _brings(c, s, m, tx, ty, search.left, search.host):
-        search.found.append((c, s, m, tx, ty))
+        if search.total[0] < search.found.shape[0]:
+            row = search.found[search.total[0]]
+            row[0], row[1], row[2], row[3], row[4] = c, s, m, tx, ty
+        search.total[0] += 1
 
 
-@compiled
+@borrowing
 def _brings(c: float, s: float, m: float, tx: float, ty: float, left: Shape, host: Shape) -> bool:
     """Whether a similarity brings the whole left side onto the host."""
     for k in range(left.kinds.size):
@@ -264,12 +280,12 @@ def _brings(c: float, s: float, m: float, tx: float, ty: float, left: Shape, hos
     return True
 
 
-@compiled
+@borrowing
 def _angle(line: Floats) -> float:
     return math.atan2(line[3] - line[1], line[2] - line[0])
 
 
-@compiled
+@borrowing
 def _crossing(one: Floats, other: Floats) -> tuple[bool, float, float]:
     """Whether two lines, prolonged, meet in one place, and where."""
     ux, uy, vx, vy = one[2] - one[0], one[3] - one[1], other[2] - other[0], other[3] - other[1]
@@ -280,14 +296,14 @@ def _crossing(one: Floats, other: Floats) -> tuple[bool, float, float]:
     return True, one[0] + t * ux, one[1] + t * uy
 
 
-@compiled
+@borrowing
 def _sine(one: Floats, other: Floats) -> float:
     """The sine of the angle between two lines, without sign."""
     ux, uy, vx, vy = one[2] - one[0], one[3] - one[1], other[2] - other[0], other[3] - other[1]
     return float(abs(ux * vy - uy * vx) / (math.hypot(ux, uy) * math.hypot(vx, vy)))
 
 
-@compiled
+@borrowing
 def _foot(x: float, y: float, line: Floats) -> tuple[float, float]:
     """The foot of the perpendicular from a place on a line, prolonged."""
     ux, uy = line[2] - line[0], line[3] - line[1]

@@ -10,7 +10,7 @@ from flocking.errors import InputError
 from flocking.types import Floats
 from generation.grammar.lines import SHORTEST_M
 from generation.grammar.matching import Allowed, Plan, matches, plan
-from generation.grammar.shapes import Shape, added, moved, same, shortest, size
+from generation.grammar.shapes import Shape, added, moved, same, shortest
 from generation.primitives import MOST_M
 
 STEPS, LINES = COUNTED = ("steps", "lines")
@@ -119,11 +119,6 @@ def kind(left: Shape, right: Shape) -> str:
         if any(same(moved(left, row), right) for row in matches(left, right, places, allowed, 1e-9, MOST_M)):
             return MODIFICATION
     return SUBSTITUTION
-
-
-def extent(grammar: Grammar) -> float:
-    """The size of the largest right side, m."""
-    return max((size(rule.right) for _, rule in grammar.rules), default=0.0)
 
 
 def chances(left: LeftSide, weights: dict[str, float] | None) -> list[float]:

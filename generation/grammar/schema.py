@@ -124,7 +124,6 @@ def environment(derivation: Derivation, workspace: Environment) -> Environment:
         markers={**workspace.markers, **markers},
         origin={
             **workspace.origin,
-            "schema": grammar.name,
             "steps": len(derivation.steps) - 1,
             "ended": derivation.ended,
         },

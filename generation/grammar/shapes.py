@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from flocking.compilation import compiled
+from flocking.compilation import borrowing, compiled
 from flocking.types import Floats, Ints
 from generation.grammar.lines import TOLERANCE_M, holds, summed, without
 
@@ -60,7 +60,7 @@ def shape(lines: Floats, kinds: Ints, labels: Ints, places: Floats) -> Shape:
     return added(EMPTY, Shape(lines, kinds, labels, places))
 
 
-@compiled
+@borrowing
 def is_one(x: float, y: float, heading: float, u: float, v: float, other: float) -> bool:
     """Whether two places are one: (x, y), with a heading or without (nan), and (u, v)."""
     if math.hypot(x - u, y - v) > TOLERANCE_M:
@@ -71,7 +71,7 @@ def is_one(x: float, y: float, heading: float, u: float, v: float, other: float)
     return abs(turns - round(turns)) * 2.0 * math.pi <= TOLERANCE_RAD
 
 
-@compiled
+@borrowing
 def has_place(labels: Ints, places: Floats, label: int, place: Floats) -> bool:
     """Whether one of these labelled points has this label and this place (3,)."""
     for k in range(labels.size):
@@ -86,13 +86,13 @@ def added(one: Shape, other: Shape) -> Shape:
     lines, kinds = summed(one.lines, one.kinds, other.lines, other.kinds)
     most = one.labels.size + other.labels.size
     labels, places = np.empty(most, np.int64), np.empty((most, 3))
-    count = one.labels.size
-    labels[:count], places[:count] = one.labels, one.places
+    count = 0
+    for k in range(one.labels.size):
+        count = _label(labels, places, count, one.labels[k], one.places[k])
     for k in range(other.labels.size):
         if not has_place(labels[:count], places[:count], other.labels[k], other.places[k]):
-            labels[count], places[count] = other.labels[k], other.places[k]
-            count += 1
-    return Shape(lines, kinds, labels[:count].copy(), places[:count].copy())
+            count = _label(labels, places, count, other.labels[k], other.places[k])
+    return Shape(lines, kinds, labels[:count], places[:count])
 
 
 @compiled
@@ -103,9 +103,16 @@ def taken(one: Shape, other: Shape) -> Shape:
     count = 0
     for k in range(one.labels.size):
         if not has_place(other.labels, other.places, one.labels[k], one.places[k]):
-            labels[count], places[count] = one.labels[k], one.places[k]
-            count += 1
-    return Shape(lines, kinds, labels[:count].copy(), places[:count].copy())
+            count = _label(labels, places, count, one.labels[k], one.places[k])
+    return Shape(lines, kinds, labels[:count], places[:count])
+
+
+@borrowing
+def _label(labels: Ints, places: Floats, count: int, label: int, place: Floats) -> int:
+    """Puts a labelled point behind the first `count`, and returns their new number."""
+    labels[count] = label
+    places[count, 0], places[count, 1], places[count, 2] = place
+    return count + 1
 
 
 @compiled
@@ -130,7 +137,7 @@ def applied(host: Shape, left: Shape, right: Shape, row: Floats) -> Shape:
     return added(taken(host, moved(left, row)), moved(right, row))
 
 
-@compiled
+@borrowing
 def part_of(one: Shape, other: Shape) -> bool:
     """Whether the first is a sub-shape of the second: its lines are parts of lines, its labelled points are there."""
     for k in range(one.kinds.size):
@@ -146,12 +153,6 @@ def part_of(one: Shape, other: Shape) -> bool:
 def same(one: Shape, other: Shape) -> bool:
     """Whether two shapes are equal."""
     return bool(part_of(one, other) and part_of(other, one))
-
-
-def size(one: Shape) -> float:
-    """The farthest that anything in a shape is from its origin, m."""
-    ends = np.concatenate([one.lines.reshape(-1, 2), one.places[:, :2]])
-    return float(np.hypot(ends[:, 0], ends[:, 1]).max(initial=0.0))
 
 
 def shortest(one: Shape) -> float:

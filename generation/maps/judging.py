@@ -45,7 +45,9 @@ class Judging(NamedTuple):
     seed: tuple[int, ...]
 
 
-def judge(judging: Judging, box: Box, points: Floats, levels: Ints, cells: Ints, breathe: Callable[[int], None]) -> Judged:
+def judge(
+    judging: Judging, box: Box, points: Floats, levels: Ints, cells: Ints, breathe: Callable[[int], None]
+) -> Judged:
     """The outcomes of configurations (C, d): twice `pairs` simulations each. `breathe` is told how many are done.
 
     A configuration's random numbers are those of its place (level and cell) and of the seed alone. A schema that draws
@@ -78,9 +80,7 @@ def _names(level: int, cell: Ints) -> tuple[int, ...]:
     return tuple(int(value) for value in (level + 1, *cell))
 
 
-def _jobs(
-    judging: Judging, box: Box, point: Floats, names: tuple[int, ...], workspace: Environment
-) -> Iterator[Job]:
+def _jobs(judging: Judging, box: Box, point: Floats, names: tuple[int, ...], workspace: Environment) -> Iterator[Job]:
     """The simulations of one configuration: a start and its mirror image, and the next pair."""
     rng = np.random.default_rng((*judging.seed, *names))
     of_schema, of_starts = rng.spawn(2)

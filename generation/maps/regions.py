@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy import ndimage
 
-from flocking.types import Bools, Floats
+from flocking.types import Bools, Floats, Ints
 from generation.maps.trees import ParameterMap, painted
 
 
@@ -49,7 +49,7 @@ def region(map_: ParameterMap, within: Mapping[str, tuple[float, float]] | None 
     owner = painted(map_.box, map_.cells, map_.levels, level)
     possible, success = map_.possible[owner] & (owner >= 0), map_.successful[owner] & (owner >= 0)
     whole = max(1, int(possible.sum()))
-    labels, sizes = components(success, map_.box.wraps)
+    _, sizes = components(success, map_.box.wraps)
     in_box = _cells_in_box(map_, within, level)
     means = _means(share[owner], possible.astype(np.float64), in_box)
     return Region(
@@ -62,7 +62,7 @@ def region(map_: ParameterMap, within: Mapping[str, tuple[float, float]] | None 
 
 
 def density(success: Bools, possible: Bools, window: int, wraps: Bools) -> float:
-    """Share of the possible cells in a window of so many cells about a successful one that are successful, their mean."""
+    """Share of success among the possible cells in a window of so many cells about a successful one: their mean."""
     if not success.any():
         return math.nan
     modes = ["wrap" if each else "constant" for each in wraps]
@@ -71,7 +71,7 @@ def density(success: Bools, possible: Bools, window: int, wraps: Bools) -> float
     return float(np.clip(near[success] / there[success], 0.0, 1.0).mean())
 
 
-def components(success: Bools, wraps: Bools) -> tuple[Floats, Floats]:
+def components(success: Bools, wraps: Bools) -> tuple[Ints, Floats]:
     """The parts that faces connect: a label of each cell, 0 = none, and how many cells each part has."""
     labels, count = ndimage.label(success)
     parent = np.arange(count + 1)

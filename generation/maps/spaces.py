@@ -71,7 +71,9 @@ class Box:
         return found
 
 
-def box_of(parameters: type, refined: Sequence[str], cells: Sequence[int], bounds: Sequence[tuple[float, float]] = ()) -> Box:
+def box_of(
+    parameters: type, refined: Sequence[str], cells: Sequence[int], bounds: Sequence[tuple[float, float]] = ()
+) -> Box:
     """The box of these parameters of a schema, between their declared bounds or those given.
 
     `cells`: of the first iteration, one number for all or one for each. Raises `InputError` for what cannot be mapped.
@@ -82,7 +84,10 @@ def box_of(parameters: type, refined: Sequence[str], cells: Sequence[int], bound
     if len(set(refined)) < len(refined):
         raise InputError(f"refined {', '.join(refined)}: expected each parameter once")
     if len(cells) not in (1, len(refined)) or any(count < 1 for count in cells):
-        raise InputError(f"grid {', '.join(map(str, cells))}: expected one whole number of at least 1, or one for each of {', '.join(refined)}")
+        raise InputError(
+            f"grid {', '.join(map(str, cells))}: expected one whole number of at least 1, or one for each of "
+            f"{', '.join(refined)}"
+        )
     each = list(cells) * len(refined) if len(cells) == 1 else list(cells)
     axes = []
     for number, name in enumerate(refined):

@@ -15,7 +15,7 @@ import numpy as np
 
 from flocking.errors import InputError
 from flocking.parameters import Parameter
-from generation.environment import START, Environment
+from generation.environment import START, Environment, Mark
 from generation.primitives import Circle, Point, Polygon, Polyline, Segment
 from generation.workspaces import built
 
@@ -64,7 +64,7 @@ def generate(parameters: Parameters, workspace: Environment, rng: np.random.Gene
     box = Polyline(((-half, top), (-half, bottom), (half, bottom), (half, top)))
     funnel = [Segment(side * half, top, side * gap / 2, mouth) for side in (-1.0, 1.0) if gap < 2.0 * half]
     dividers = [Segment(x, bottom, x, bottom + depth) for x in edges[1:-1]]
-    bins = {
+    bins: dict[str, Mark] = {
         f"bin-{number}": Polygon(
             ((left, bottom), (right, bottom), (right, bottom + depth), (left, bottom + depth)), "both"
         )

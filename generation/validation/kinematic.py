@@ -1,8 +1,9 @@
 """A group of the kinematic herd: any law of the project, or several, compiled; thousands of environments a minute.
 
-Laws and kernel are those of `flocking.kinematic`. Motion models that avoid nothing are given the avoidance that all laws
-share: the plus of RM+ and SNN+ (Fine 2015, section 6.3.3). Walls hide what is behind them, so that a construct outside
-of a corridor does nothing to who is in it. Metres and seconds; one unit of Fine 2015 is 1 m, one iteration `dt_s`.
+Laws and kernel are those of `flocking.kinematic`. Motion models that avoid nothing are given the avoidance that all
+laws share: the plus of RM+ and SNN+ (Fine 2015, section 6.3.3). Walls hide what is behind them, so that a construct
+outside of a corridor does nothing to who is in it. Metres and seconds; one unit of Fine 2015 is 1 m, one iteration
+`dt_s`.
 """
 
 from __future__ import annotations
@@ -49,8 +50,9 @@ class Members:
     """Of the shared avoidance; nan = `LOOK_AHEAD_STEPS` at the speed."""
     margin_m: float = math.nan
     """Likewise; nan = `MARGIN_STEPS` at the speed, and the radius."""
-    sight_m: float = math.inf
-    """Range within which walls are seen."""
+    sight_m: float = math.nan
+    """Range within which walls are seen; nan = as far as the shared avoidance looks, and without limit where the law
+    or virtual members see them."""
     law_source: str = ""
     """Text of the user's own law file."""
 
@@ -61,6 +63,10 @@ class Members:
         look = LOOK_AHEAD_STEPS * step_m if math.isnan(self.look_ahead_m) else self.look_ahead_m
         margin = MARGIN_STEPS * step_m + self.radius_m if math.isnan(self.margin_m) else self.margin_m
         shared = avoidance.Parameters(look_ahead_m=look, margin_m=margin)
+        sight = self.sight_m
+        if math.isnan(sight):
+            only_avoids = self.obstacles == "avoid" and "obstacles" not in law.needs
+            sight = max(look, step_m) + margin if only_avoids else math.inf
         return Band(
             law,
             self.count,
@@ -70,7 +76,7 @@ class Members:
             max_speed_m_s=self.max_speed_m_s,
             max_turn_rate_rad_s=self.max_turn_rate_rad_s,
             radius_m=self.radius_m,
-            sight_m=self.sight_m,
+            sight_m=sight,
             sight_lines=True,
             obstacle_selection=self.obstacle_selection,
             obstacles=self.obstacles,
@@ -97,7 +103,11 @@ class KinematicGroup:
     @cached_property
     def bands(self) -> list[Band]:
         """Its bands, compiled. Raises `InputError`."""
-        return [each.band(self.dt_s) for each in self.members]
+        made = [each.band(self.dt_s) for each in self.members]
+        for band in made:  # refused before anything is simulated
+            band.stages()
+            band.rows()
+        return made
 
     def trajectories(self, jobs: Sequence[Job], iterations: int) -> Iterator[Floats]:
         """For each job, in their order, the positions (iterations + 1, N, 2) of its members, m, from the start on.

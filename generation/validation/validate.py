@@ -37,6 +37,10 @@ class Plan(NamedTuple):
     seed: int = 1
 
 
+ONCE = Plan()
+"""One start in each environment."""
+
+
 class Validated(NamedTuple):
     """One environment's outcome; R simulations."""
 
@@ -95,7 +99,7 @@ def validate(
     environments: Sequence[Environment],
     behaviour: Behaviour,
     group: Group,
-    plan: Plan = Plan(),
+    plan: Plan = ONCE,
     parameters: Any = None,
     begin: int = 0,
 ) -> Iterator[Validated]:

@@ -107,7 +107,8 @@ def check_travels(trials: Sequence[Trial]) -> None:
     """Raises `InputError` for trials that take a user's own file of which they do not hold the text."""
     for trial in trials:
         for group in trial.groups:
-            for key, value in {"detection": group.pipeline, "formation": trial.formation, **group.setup}.items():
+            start = {} if trial.formation_source else {"formation": trial.formation}
+            for key, value in {"detection": group.pipeline, **start, **group.setup}.items():
                 if isinstance(value, str) and is_path(value):
                     raise InputError(
                         f"{key} {value!r}: the texts of users' laws and worlds go to a cluster, other files do not; "

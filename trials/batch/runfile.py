@@ -104,6 +104,7 @@ def _check_text(value: Any) -> None:
 _WHOLE, _TEXT, _TABLE = int, str, Mapping
 _TYPES: dict[type, dict[str, type]] = {
     Trial: {
+        "world_source": _TEXT, "formation_source": _TEXT,
         "experiment": _TEXT, "repeat": _WHOLE, "simulation": _TEXT, "world": _TEXT, "formation": _TEXT, "index": _WHOLE,
         "seed": _WHOLE, "world_parameters": _TABLE, "formation_parameters": _TABLE, "setup": _TABLE,
         "conditions": _TABLE,

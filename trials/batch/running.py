@@ -210,7 +210,8 @@ def resume(folder: Path, jobs: int, report: Report, experiment: str | None = Non
                     f"note: changed since this run began: {'; '.join(changed)}; results may differ in their last bits",
                     file=sys.stderr,
                 )
-            users = [*(str(folder / folders.CODE / name) for name in code), *users_bodies(kept.trials)]
+            run_here = [str(folder / folders.CODE / name) for name in code if name.endswith(".py")]
+            users = [*run_here, *users_bodies(kept.trials)]
             if users:
                 print(f"note: runs the user's {', '.join(users)}", file=sys.stderr)
             _tell_misfits(kept)
@@ -275,17 +276,23 @@ def conditions(trial: Trial) -> str:
 
 
 def code_of(trials: Sequence[Trial]) -> dict[str, str]:
-    """The texts of the users' law files that take part, under names of their own."""
+    """The texts of the users' files that take part, under names of their own; of a plan, the environment's JSON."""
     found: dict[str, str] = {}
     texts = {(group.law, group.law_source): None for trial in trials for group in trial.groups if group.law_source}
     texts |= {(trial.world, trial.world_source): None for trial in trials if trial.world_source}
+    texts |= {(trial.formation, trial.formation_source): None for trial in trials if trial.formation_source}
     for law, text in texts:
-        path = Path(law)
+        path = _kept_as(Path(law))
         name, number = path.name, 2
         while found.get(name, text) != text:
             name, number = f"{path.stem}-{number}{path.suffix}", number + 1
         found[name] = text
     return found
+
+
+def _kept_as(path: Path) -> Path:
+    """The name under which the text of a user's file is kept: that of a plan is an environment's, as JSON."""
+    return path if path.suffix.lower() in (".py", ".json", ".csv") else path.with_name(f"{path.name}.json")
 
 
 def users_bodies(trials: Sequence[Trial]) -> list[str]:

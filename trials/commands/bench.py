@@ -26,7 +26,7 @@ import numpy as np
 from flocking.errors import InputError
 from flocking.types import Floats
 from robots import body as bodies
-from trials.commands import bench_kinematic
+from trials.commands import bench_kinematic, bench_validation
 from trials.commands.bench_figures import REPEATS, Figure, processor_s, repeated, timed, wall_s
 from trials.design import plan
 from trials.simulations.robots.fields import of_trial
@@ -260,6 +260,15 @@ def kinematic_herd() -> list[Figure]:
     return figures
 
 
+def validation() -> list[Figure]:
+    """Validation of splitting environments by 25 boids, 200 iterations, on one core; and not compiled."""
+    rates, times = bench_validation.measured(repeated)
+    return [
+        Figure("validation, 25 boids", "environments/s", rates, 600.0),
+        Figure("validation against the same law, not compiled", "x faster", times, 300.0),
+    ]
+
+
 def whole_experiment() -> list[Figure]:
     """`herd run lch-table-4-1`: 160 simulations with their report on all cores, the start of processes included."""
     return [
@@ -283,6 +292,7 @@ MEASURES: Sequence[Callable[[], list[Figure]]] = (
     workers,
     start_up,
     kinematic_herd,
+    validation,
     whole_experiment,
 )
 

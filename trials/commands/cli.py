@@ -15,6 +15,7 @@ from typer import Argument, Option
 
 from flocking import users_files
 from flocking.errors import InputError, printable
+from trials.commands import plans
 
 LONG = 60
 """Characters of a text that an error repeats."""
@@ -335,6 +336,58 @@ def world(
         raise InputError(f"--out {out}: there is such a file; expected a new one")
     write_whole(out, world_xml(chosen).encode())
     print(f"{out}: open it with {shlex.join([sys.executable, '-m', 'mujoco.viewer', f'--mjcf={out}'])}")
+
+
+app.command("import")(plans.import_)
+app.command()(plans.export)
+
+
+@app.command("map")
+def map_(
+    schema: Annotated[str, Argument(metavar="SCHEMA", help="Its name, or the path of your own file.")],
+    out: Annotated[Path, Option(metavar="DIR", help="A new folder: map.csv, map.json and figures.")],
+    behaviour: Annotated[
+        str | None, Option(help="Its name, or the path of your own file; the schema's own by default.")
+    ] = None,
+    law: Annotated[str, Option(help="Its name, or the path of your own file.")] = "reynolds-boids",
+    members: Annotated[int, Option(parser=_whole(1, 1000), metavar="N", help="Members of the group.")] = 7,
+    refinements: Annotated[
+        int, Option(parser=_whole(0, 12), metavar="R", help="Beyond the first iteration, around successes.")
+    ] = 3,
+    refined: Annotated[
+        str | None, Option(metavar="A,B", help="Parameters that vary; the schema's first two by default.")
+    ] = None,
+    grid: Annotated[
+        str | None, Option(metavar="N|N,M", help="Cells of the first iteration along each of them; 8 by default.")
+    ] = None,
+    budget: Annotated[int, Option(parser=_whole(0), metavar="N", help="Most configurations; 0: any number.")] = 0,
+    method: Annotated[Literal["quad-tree", "random"], Option(help="How configurations are chosen.")] = "quad-tree",
+    seed: Seed = 1,
+    settings: Settings = None,
+) -> None:
+    """Maps a schema's parameters.
+
+    Which of them make environments that elicit a behaviour, by simulations from mirrored starts. Keys of --set:
+    pairs, splits, reliable_share, world.*, behaviour.*, formation.*, box.*, herd.*.
+    """
+    from trials.commands import mapping, options
+
+    mapping.map_(
+        mapping.Asked(
+            schema,
+            behaviour,
+            law,
+            members,
+            refinements,
+            refined,
+            grid,
+            budget,
+            method,
+            seed,
+            options.settings(settings or []),
+            out,
+        )
+    )
 
 
 @app.command()

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 from flocking.errors import InputError
 from flocking.parameters import declared, filled
@@ -20,14 +21,15 @@ FILTERS = "filter."
 NONE = "none"
 
 
-class Asked(NamedTuple):
+@dataclass(frozen=True)
+class Asked:
     """What `herd generate` was asked for."""
 
     schema: str
     count: int
     seed: int
     out: Path
-    settings: Mapping[str, Any] = {}
+    settings: Mapping[str, Any] = field(default_factory=dict)
     vary: Sequence[str] = ()
     filter: str | None = None
     """None: the schema's own."""

@@ -66,9 +66,7 @@ class Asked:
 
     def of(self, prefix: str) -> dict[str, Any]:
         """The settings whose keys begin with it, without it."""
-        return {
-            key.partition(".")[2]: value for key, value in self.settings.items() if key.partition(".")[0] == prefix
-        }
+        return {key.partition(".")[2]: value for key, value in self.settings.items() if key.partition(".")[0] == prefix}
 
 
 def validate(asked: Asked) -> None:

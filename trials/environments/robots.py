@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
@@ -70,7 +71,8 @@ class RobotGroup:
     def trial(self, job: Job, iterations: int) -> Trial:
         """One simulation as a trial. Each robot is a group of one, which stands where the job has it."""
         x, y, heading = job.poses_w.T
-        own = {"obstacles": "avoid", **self.setup}
+        given: dict[str, Any] = {"formation.jitter_m": 0.0, "formation.heading_spread_deg": 0.0, "obstacles": "avoid"}
+        given |= self.setup
         groups = [
             fields.group(
                 self.law,
@@ -84,8 +86,7 @@ class RobotGroup:
                 start_x_m=float(self.scale * x[k]),
                 start_y_m=float(self.scale * y[k]),
                 start_heading_deg=math.degrees(heading[k]),
-                **{"formation.jitter_m": 0.0, "formation.heading_spread_deg": 0.0},
-                **own,
+                **given,
             )
             for k in range(self.count)
         ]
@@ -97,7 +98,7 @@ class RobotGroup:
             duration_s=max(0.1, math.ceil(10.0 * iterations * self.iteration_s) / 10.0),
         )
         seed = int(np.random.SeedSequence(job.seed).generate_state(1, np.uint32)[0])
-        return _replaced(trial, seed, _text(job.environment, self.scale))
+        return replace(trial, seed=seed, world_source=_text(job.environment, self.scale))
 
     def trajectories(self, jobs: Sequence[Job], iterations: int) -> Iterator[Floats]:
         """For each job, in their order, the positions (iterations + 1, N, 2) of its robots, in the environment's units.
@@ -125,16 +126,8 @@ def robots(law: str, count: int, **given: object) -> RobotGroup:
     return RobotGroup(law, count, law_source=source, **given)  # type: ignore[arg-type]
 
 
-def _replaced(trial: Trial, seed: int, world: str) -> Trial:
-    from dataclasses import replace
-
-    return replace(trial, seed=seed, world_source=world)
-
-
 def _text(environment: Environment, scale: float) -> str:
     """The environment in metres of robots, as JSON. Its start is left out: robots stand where they are put."""
-    from dataclasses import replace
-
     moved = environment.moved(scale=scale)
     return to_json(replace(moved, markers={name: mark for name, mark in moved.markers.items() if name != START}))
 

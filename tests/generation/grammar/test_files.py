@@ -51,17 +51,17 @@ def test_a_good_file_is_read() -> None:
 @pytest.mark.parametrize(
     ("old", "new", "told"),
     [
-        ('left = "square"\nright = "branch"', 'left = "sqare"\nright = "branch"', "unknown shape 'sqare'; did you mean"),
+        ('left = "square"\nright = "branch"', 'left = "sqare"\nright = "branch"', "unknown shape 'sqare'"),
         ('right = "branch"', 'right = "brunch"', "unknown shape 'brunch'; did you mean branch"),
         ('start = "square"', 'start = "squares"', "unknown shape 'squares'; did you mean square"),
         ("lines.wall", "lines.wal", "unknown kind of line in shapes.branch 'wal'; did you mean wall"),
         ("labels.front", "labels.frond", "unknown label in shapes.square 'frond'; did you mean front"),
-        ("probability = 0.75", "probability = 0.8", "rules of 'square': probabilities 0.8 + 0.25 = 1.05; expected a sum"),
-        ("probability = 0.75", "probability = 1.75", "probability of rule 'grow' = 1.75: expected a number from 0 to 1"),
+        ("probability = 0.75", "probability = 0.8", "probabilities 0.8 + 0.25 = 1.05; expected a sum of 1"),
+        ("probability = 0.75", "probability = 1.75", "rule 'grow' = 1.75: expected a number from 0 to 1"),
         ("probability = 0.75", "probability = nan", "probability of rule 'grow': nan: expected a finite number"),
         ("probability = 0.75", 'probability = "half"', "expected a finite number"),
-        ("probability = 0.75", "", "some have a probability, some have none"),
-        ("probability = 0.75", 'under = ["translation"]\nprobability = 0.75', "under differs from that of another rule"),
+        ("probability = 0.75", "", "some have a probability and some have none"),
+        ("probability = 0.75", 'under = ["translation"]\nprobability = 0.75', "under differs from that of another"),
         ("limit = { lines = 10 }", "limit = { line = 10 }", "unknown limit 'line'; did you mean lines"),
         ("limit = { lines = 10 }", "limit = { lines = 0 }", "expected whole numbers from 1 to 10000"),
         ("limit = { lines = 10 }", "limit = { lines = [5, 3] }", "expected whole numbers"),
@@ -106,7 +106,7 @@ def test_a_left_side_with_no_line_and_no_label_is_refused() -> None:
 def test_rules_that_never_end_need_a_limit() -> None:
     endless = GOOD.replace("0.75", "1.0").replace("0.25", "0.0")
     files.from_text(endless)
-    with pytest.raises(InputError, match="the rules of 'square' never end: .* expected a limit"):
+    with pytest.raises(InputError, match=r"the rules of 'square' never end: .* expected a limit"):
         files.from_text(endless.replace("limit", "#limit"))
 
 

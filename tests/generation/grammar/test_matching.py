@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -201,7 +202,7 @@ def test_sum_and_difference_of_collinear_lines_are_those_of_their_unit_pieces(
     row = under._replace(scale=1.0).row()
 
     def lines(of: Any) -> Floats:
-        return moved(drawn(), row).lines if not of else moved(_plain(of), row).lines
+        return moved(_plain(of), row).lines
 
     def units(of: Floats) -> set[int]:
         """The unit pieces that lines cover, told back in the frame in which they were drawn."""
@@ -224,7 +225,7 @@ def test_sum_and_difference_of_collinear_lines_are_those_of_their_unit_pieces(
     assert units(summed(*first, *second)[0]) == a | b
     assert units(without(*first, *second)[0]) == a - b
     both = sorted(a | b)
-    runs = 1 + sum(q - p > 1 for p, q in zip(both, both[1:], strict=False))
+    runs = 1 + sum(q - p > 1 for p, q in pairwise(both))
     assert len(summed(*first, *second)[0]) == runs  # maximal
 
 

@@ -9,12 +9,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, NamedTuple
 
-from generation.filters import Filter
-
 from flocking.errors import unknown_name
 from flocking.parameters import Parameter, filled
 from generation import behaviours, filters
 from generation.behaviours import Behaviour
+from generation.filters import Filter
 from generation.found import is_path, load, schemas
 from generation.schema import Schema
 from trials.rows import below

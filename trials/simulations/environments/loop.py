@@ -120,12 +120,13 @@ def _ways(
 def _result(trial: Trial, chosen: fields.Chosen, found: _Found, outcome: str, reason: str) -> TrialResult:
     """A result whose way is that of the first example; members that never moved where there is none."""
     count = sum(group.count for group in trial.groups)
-    moments, kept = np.zeros(1), np.zeros((0, 1, count, 2))
+    moments: Floats = np.zeros(1)
+    kept: Floats = np.zeros((0, 1, count, 2))
     if found.examples:
         steps = len(found.examples[0][1])
         picked = np.unique(np.linspace(0, steps - 1, min(steps, MOST_MOMENTS)).round().astype(np.int64))
         kept = np.array([way[picked] for _, way in found.examples])
-        moments = picked * fields.of_trial(trial).timestep_s
+        moments = picked.astype(np.float64) * fields.of_trial(trial).timestep_s
     number = found.examples[0][0] if found.examples else 0
     shown = herds.environment(trial, number, chosen)
     poses_w = poses_of(kept[0]) if len(kept) else herds.start(trial, number, shown)[None]

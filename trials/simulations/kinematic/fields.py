@@ -20,9 +20,10 @@ from flocking.parameters import Parameter, declared, filled
 from flocking.taxonomy import USUAL_HERD, Herd
 from generation.environment import Environment
 from trials.rows import below
+from trials.simulations import judged
 from trials.simulations.kinematic import lattice_starts, links
 from trials.types import Group, Trial, Value
-from worlds import known
+from worlds import known, start_poses
 
 NAME = "kinematic"
 OPEN = math.nan
@@ -55,6 +56,11 @@ _NO_HERD = (
 def world_names() -> list[str]:
     """The worlds of a kinematic trial: spaces, and the worlds that robots have as well."""
     return [*SPACES, *known.names()]
+
+
+def formation_names() -> list[str]:
+    """The starting formations of kinematic members."""
+    return list(FORMATIONS)
 
 
 class TrialFields(NamedTuple):
@@ -103,13 +109,17 @@ class TrialFields(NamedTuple):
     measured_share: Annotated[
         float, Parameter("", "a choice: the last part of the trial over which measures are averaged", low=0.0, high=1.0)
     ] = 0.5
+    behaviour: Annotated[
+        str,
+        Parameter("", "a choice: what the trial is held against (docs/environments.md)", named=judged.names),
+    ] = judged.NONE
 
 
 class NameFields(NamedTuple):
     """The names of a kinematic trial's world and formation."""
 
     world: Annotated[str, Parameter("", _LAW, named=world_names, paths=True)] = OWN_SPACE
-    formation: Annotated[str, Parameter("", "a choice", choices=FORMATIONS)] = "uniform"
+    formation: Annotated[str, Parameter("", "a choice", named=formation_names, paths=True)] = "uniform"
 
 
 class GroupNames(NamedTuple):
@@ -388,6 +398,8 @@ def world_parameters(trial: Trial) -> type:
 
 def formation_parameters(trial: Trial) -> type:
     """What the trial's formation can be given. Raises `InputError` for a formation that there is not."""
+    if start_poses.is_file(trial.formation):
+        return start_poses.Parameters
     if trial.formation not in FORMATIONS:
         raise unknown_name("formation", trial.formation, FORMATIONS)
     return FORMATION_PARAMETERS[trial.formation]
@@ -402,7 +414,7 @@ def world_of(trial: Trial) -> Any:
     if not hasattr(fields, "size_m"):
         return fields
     count = sum(group.count for group in trial.groups)
-    fields = fields._replace(size_m=_closed(fields.size_m, formation_of(trial).spacing_m * math.sqrt(count)))
+    fields = fields._replace(size_m=_closed(fields.size_m, spacing_of(trial) * math.sqrt(count)))
     if hasattr(fields, "length_m"):
         fields = fields._replace(length_m=_closed(fields.length_m, fields.size_m / 10.0))
     return fields
@@ -411,11 +423,24 @@ def world_of(trial: Trial) -> Any:
 def formation_of(trial: Trial) -> Any:
     """The formation's parameters, filled in."""
     fields = filled(formation_parameters(trial), trial.formation_parameters, prefix="formation.")
+    if start_poses.is_file(trial.formation):
+        return fields
     own = own_herd(trial.groups[0])
     if trial.formation in lattice_starts.NAMES:
         usual = own.spacing_m if trial.formation == lattice_starts.POSITION else own.speed_m_s
         fields = fields._replace(strength=_closed(fields.strength, usual))
     return fields._replace(spacing_m=_closed(fields.spacing_m, own.spacing_m))
+
+
+def spacing_of(trial: Trial) -> float:
+    """The spacing of a trial's formation, or of its law's herd where its poses come from a file, m."""
+    given = formation_of(trial)
+    return float(given.spacing_m if hasattr(given, "spacing_m") else own_herd(trial.groups[0]).spacing_m)
+
+
+def every_step(trial: Trial) -> bool:
+    """Whether all steps of a trial are measured, whichever of them are kept."""
+    return links_of(trial) is not None or of_trial(trial).behaviour != judged.NONE
 
 
 def links_of(trial: Trial) -> links.Parameters | None:

@@ -17,11 +17,11 @@ from flocking.kinematic.bands import check_linked, parsed_sets
 from flocking.lawentry import OF_MEMBERS
 from flocking.perception import Step
 from flocking.types import Bools, Floats, Ints
-from trials.simulations import spread
+from trials.simulations import judged, spread
 from trials.simulations.kinematic import fields, formations, lattice_starts
 from trials.streams import Purpose, stream
 from trials.types import Group, Trial
-from worlds import starts
+from worlds import start_poses, starts
 
 BEARINGS_ALONE = frozenset({"bearings", "positions", "ids"})
 """What is known of neighbours where poses are not: a position then stands at the assumed distance."""
@@ -76,7 +76,7 @@ def check(trial: Trial) -> None:
     fields.formation_parameters(trial)
     given = fields.of_trial(trial)
     count = sum(group.count for group in trial.groups)
-    every = 1 if fields.links_of(trial) else given.every
+    every = 1 if fields.every_step(trial) else given.every
     if given.every > given.steps:
         raise InputError(
             f"steps = {given.steps}: expected at least every = {given.every}, after which the first moment is kept; "
@@ -94,6 +94,7 @@ def check(trial: Trial) -> None:
     if trial.formation in lattice_starts.NAMES:
         lattice_starts.check(space)
     fields.environment_of(trial)
+    judged.check(trial, given.behaviour)
 
 
 def check_group(trial: Trial, number: int) -> None:
@@ -115,8 +116,12 @@ def check_start(trial: Trial) -> None:
 
     Nothing is drawn where they do whatever is drawn.
     """
+    if start_poses.is_file(trial.formation):
+        _check_file(trial)
     if (environment := fields.environment_of(trial)) is not None:
         starts.check(members_of(trial), environment)
+        return
+    if start_poses.is_file(trial.formation):
         return
     if trial.formation in ("uniform", *lattice_starts.NAMES) or fields.space_of(trial) == "unbounded":
         return
@@ -125,12 +130,23 @@ def check_start(trial: Trial) -> None:
         _start(trial, _space(trial))
 
 
+def _check_file(trial: Trial) -> None:
+    """Refuses poses of a file that overlap, or that are outside of a sized world: `InputError`."""
+    members, size = members_of(trial), getattr(fields.world_of(trial), "size_m", math.inf)
+    starts.check_apart(members)
+    places = members.poses_w[:, :2]
+    if size < math.inf and ((places < 0.0) | (places > size)).any():
+        x, y = places[((places < 0.0) | (places > size)).any(axis=1)][0]
+        raise InputError(f"{trial.formation}: ({x:g}, {y:g}) m is outside of the world; expected 0 to {size:g} m")
+
+
 def members_of(trial: Trial) -> starts.Starting:
     """The members of a trial at their start."""
     poses_w, _ = _start(trial, _space(trial))
     names = [f"{group.name}-{k + 1}" for group in trial.groups for k in range(group.count)]
     radii = np.repeat([fields.of_group(group).radius_m for group in trial.groups], [g.count for g in trial.groups])
-    return starts.Starting(names, poses_w, radii, np.ones(len(names), np.bool_))
+    together = np.full(len(names), not start_poses.is_file(trial.formation))
+    return starts.Starting(names, poses_w, radii, together)
 
 
 def _check_law(group: Group) -> set[Step]:
@@ -156,7 +172,7 @@ def _check_law(group: Group) -> set[Step]:
 def _start(trial: Trial, space: Space) -> tuple[Floats, Floats]:
     """Poses (N, 3) and speeds (N,) at the start: in an environment, about its start."""
     poses_w, speeds = _drawn_start(trial, space)
-    environment = fields.environment_of(trial)
+    environment = None if start_poses.is_file(trial.formation) else fields.environment_of(trial)
     return (poses_w if environment is None else starts.put_at_start(environment, poses_w)), speeds
 
 
@@ -169,6 +185,8 @@ def _drawn_start(trial: Trial, space: Space) -> tuple[Floats, Floats]:
         return lattice_starts.start(trial.formation, given, count, rng)
     size = space.size_m if space.kind != "unbounded" else math.inf
     speeds = np.repeat([fields.of_group(group).speed_m_s for group in trial.groups], [g.count for g in trial.groups])
+    if start_poses.is_file(trial.formation):
+        return start_poses.poses(trial.formation, trial.formation_source, count), speeds
     return formations.poses(trial.formation, given, count, size, rng), speeds
 
 

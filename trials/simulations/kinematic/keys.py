@@ -8,7 +8,7 @@ from typing import Any
 from flocking import lawentry
 from flocking.parameters import declared, filled
 from trials.rows import Section, section
-from trials.simulations import spread
+from trials.simulations import judged, spread
 from trials.simulations.kinematic import fields, links
 from trials.types import Group, Trial
 
@@ -19,13 +19,14 @@ def keys_of(trial: Trial, group: Group | None = None) -> list[Section]:
         world, formation = fields.world_parameters(trial), fields.formation_parameters(trial)
         first, at_start = trial.groups[0], trial.formation_parameters
         return [
-            _open("", fields.TrialFields, lambda: fields.of_trial(trial)._asdict(), first, trial.setup),
+            _open("", fields.TrialFields, lambda: _of_trial(trial), first, trial.setup),
             _open(
                 "", fields.NameFields, lambda: {"world": trial.world, "formation": trial.formation}, first, vars(trial)
             ),
             _open("world.", world, lambda: fields.world_of(trial)._asdict(), first, trial.world_parameters),
             _open("formation.", formation, lambda: fields.formation_of(trial)._asdict(), first, at_start),
             section(fields.LINKS, links.Parameters, lambda: _links_shown(trial)),
+            *judged.sections(trial),
         ]
     law = lawentry.module_of(group.law, group.law_source)
     return [
@@ -43,6 +44,12 @@ def _open(
     words = fields.words_of(parameters, group)
     left_open = {name: about for name, about in words.items() if name not in given or given[name] == fields.OWN_SPACE}
     return Section(prefix, declared(parameters), values, left_open)
+
+
+def _of_trial(trial: Trial) -> dict[str, Any]:
+    """The values of a trial; its behaviour only where it has one."""
+    values = fields.of_trial(trial)._asdict()
+    return {key: value for key, value in values.items() if (key, value) != ("behaviour", judged.NONE)}
 
 
 def _of_group(group: Group) -> dict[str, Any]:

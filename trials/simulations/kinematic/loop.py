@@ -10,7 +10,7 @@ import numpy as np
 
 from flocking.kinematic import History, LawFailedError, Progress, Schedule, simulate
 from flocking.types import Floats
-from trials.simulations import watch
+from trials.simulations import judged, watch
 from trials.simulations.kinematic import fields, links
 from trials.simulations.kinematic.herd import Herd, assemble
 from trials.simulations.kinematic.measures import measure
@@ -30,7 +30,7 @@ def run_trial(trial: Trial, scans: str = "none", reraise: bool = False, folder: 
     times, poses_w, outcome, reason = np.zeros(1), herd.poses_w[None], "done", ""
     counted: dict[str, float] = {}
     try:
-        history = simulated(trial, herd, 1 if fields.links_of(trial) else herd.fields.every)
+        history = simulated(trial, herd, 1 if fields.every_step(trial) else herd.fields.every)
         times, poses_w = history.times, history.poses_w
     except LawFailedError as error:
         if reraise:
@@ -41,6 +41,9 @@ def run_trial(trial: Trial, scans: str = "none", reraise: bool = False, folder: 
     if given is not None and outcome == "done":
         period = herd.space.size_m if herd.space.kind == "periodic" else None
         counted = links.measure(times, history.positions_w, history.velocities_w, given, period)
+    if outcome == "done":
+        counted |= judged.measure(trial, herd.fields.behaviour, history.positions_w)
+    if outcome == "done" and fields.every_step(trial):
         times, poses_w = times[:: herd.fields.every], poses_w[:: herd.fields.every].copy()
     result = _result(trial, herd, times, poses_w, outcome, reason)
     measures = measure(result, herd) | counted if outcome == "done" else {}

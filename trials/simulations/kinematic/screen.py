@@ -22,7 +22,7 @@ MARK_SHARE = 0.25
 def size_of(result: TrialResult) -> float:
     """Length of a member's arrow, m."""
     largest = float(result.radii.max(initial=0.0))
-    return 2.0 * largest if largest > 0.0 else MARK_SHARE * float(fields.formation_of(result.trial).spacing_m)
+    return 2.0 * largest if largest > 0.0 else MARK_SHARE * fields.spacing_of(result.trial)
 
 
 def colours(result: TrialResult) -> NDArray[np.uint32]:

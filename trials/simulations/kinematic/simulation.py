@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
+from trials.simulations import judged
 from trials.simulations.contract import Simulation
 from trials.simulations.kinematic import fields, herd, keys, loop
 from trials.simulations.kinematic.links import ABOUT as OF_LINKS
@@ -65,7 +66,7 @@ SIMULATION = Simulation(
     settled=settled,
     run_trial=loop.run_trial,
     record=record,
-    measures={**ABOUT, **OF_LINKS},
+    measures={**ABOUT, **OF_LINKS, **judged.ABOUT},
     key_measures=KEY_MEASURES,
     limit_s=limit_s,
     moment=moment,

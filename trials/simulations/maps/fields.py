@@ -17,9 +17,11 @@ from generation import behaviours
 from generation.behaviours import Behaviour
 from generation.found import is_path, load, schemas
 from generation.maps.spaces import Box, box_of, mappable, names, whole_numbers
+from generation.maps.trees import EDGES, SPLITS
 from generation.schema import Schema
 from generation.validation.starts import Starts
 from trials.rows import below
+from trials.simulations.kinematic.fields import group
 from trials.types import Group, Trial, Value
 
 NAME = "maps"
@@ -59,8 +61,13 @@ class TrialFields(NamedTuple):
     refinements: Annotated[
         int, Parameter("", "Fine 2015, section 7.4.2: six for anchor four", low=0, high=12, plausible=())
     ] = 0
+    splits: Annotated[
+        str,
+        Parameter("", "Fine 2015, section 7.4.2, leaves it open: successful cells at edges, or all", choices=SPLITS),
+    ] = EDGES
     budget: Annotated[
-        int, Parameter("configurations", "a choice: most of them; 0 = any number, of random none", low=0, high=10_000_000)
+        int,
+        Parameter("configurations", "a choice: most of them; 0 = any number, of random none", low=0, high=10_000_000),
     ] = 0
     pairs: Annotated[
         int, Parameter("", "a choice: starts a configuration, each with its mirror image", low=1, high=10_000)
@@ -73,9 +80,7 @@ class TrialFields(NamedTuple):
     behaviour: Annotated[
         str, Parameter("", f"Fine 2015, section 7.4.2; {OWN}: the schema's", named=behaviour_names, paths=True)
     ] = OWN  # fmt: skip
-    iterations: Annotated[
-        int, Parameter("", "0: those of the behaviour", low=0, high=1_000_000, plausible=())
-    ] = 0
+    iterations: Annotated[int, Parameter("", "0: those of the behaviour", low=0, high=1_000_000, plausible=())] = 0
     timestep_s: Annotated[
         float, Parameter("s", "of an iteration; a choice: speeds are then in metres an iteration", low=1e-6, high=1e3)
     ] = 1.0
@@ -100,6 +105,17 @@ class FormationParameters(NamedTuple):
     heading_spread_deg: Annotated[
         float, Parameter("deg", "a choice: headings are drawn within ± this", low=0.0, high=180.0)
     ] = 20.0
+
+
+BOIDS = "reynolds-boids"
+OF_BOIDS: Mapping[str, Value] = {"range_m": 3.0, "separation_m": 1.0}
+"""Radii of BOIDS in corridors of 2 m."""
+SPEED_M_S = 0.1
+"""A tenth of a metre a step of one second."""
+LOOK_AHEAD_M, MARGIN_M = 0.75, 0.28
+"""Of the shared avoidance: what it has by itself."""
+SIGHT_M = 1.1
+"""Of walls: what is farther away than look-ahead and margin together changes no motion, and costs time."""
 
 
 class Chosen(NamedTuple):
@@ -136,6 +152,28 @@ def trial(
         world_parameters=world_parameters or {},
         formation_parameters=formation_parameters or {},
         setup=setup,
+    )
+
+
+def herd(count: int, law: str = BOIDS) -> Group:
+    """Members for the T-junction, whose numbers Fine 2015 does not give: by default BOIDS.
+
+    Only the nearest wall repels, and walls hide what is behind them: a repulsion that sums over walls lets a construct
+    act through the wall of a corridor.
+    """
+    return group(
+        law,
+        count,
+        law_parameters={**OF_BOIDS, "speed_m_s": SPEED_M_S} if law == BOIDS else {},
+        speed_m_s=SPEED_M_S,
+        cruise_m_s=SPEED_M_S,
+        max_speed_m_s=SPEED_M_S,
+        max_turn_rate_rad_s=0.5,
+        obstacles="avoid",
+        obstacle_selection="nearest",
+        look_ahead_m=LOOK_AHEAD_M,
+        margin_m=MARGIN_M,
+        sight_m=SIGHT_M,
     )
 
 
@@ -204,6 +242,8 @@ def _within(box: Box, given: BoxFields) -> dict[str, tuple[float, float]] | None
     for axis, (low, high) in zip(box.axes, pairs, strict=False):
         low, high = (axis.low if math.isnan(low) else low), (axis.high if math.isnan(high) else high)
         if not axis.low <= low < high <= axis.high:
-            raise InputError(f"box of {axis.name} from {low:g} to {high:g}: expected it within {axis.low:g} to {axis.high:g}")
+            raise InputError(
+                f"box of {axis.name} from {low:g} to {high:g}: expected it within {axis.low:g} to {axis.high:g}"
+            )
         found[axis.name] = (low, high)
     return None if all(math.isnan(value) for value in given) else found

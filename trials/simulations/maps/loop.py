@@ -15,6 +15,7 @@ from flocking.errors import InputError
 from flocking.kinematic import LawFailedError
 from flocking.types import Floats, Ints
 from generation.environment import Environment
+from generation.maps.flips import flip
 from generation.maps.judging import Judging, judge, shown_job
 from generation.maps.trees import Judged, ParameterMap, refined, scattered
 from trials.simulations import watch
@@ -70,18 +71,24 @@ def judging_of(trial: Trial, chosen: fields.Chosen) -> Judging:
 
 
 def mapped(
-    trial: Trial, chosen: fields.Chosen, judging: Judging, breathe: Callable[[int], None]
+    trial: Trial,
+    chosen: fields.Chosen,
+    judging: Judging,
+    breathe: Callable[[int], None],
+    told: Callable[[Judged], None] = lambda judged: None,
 ) -> ParameterMap:
-    """The map of a trial. `breathe` is told of each configuration."""
+    """The map of a trial. `breathe` is called for each configuration; `told` is given each iteration's outcomes."""
     given, box = fields.of_trial(trial), chosen.box
     rng = stream(trial.seed, trial.repeat, 0, 0, Purpose.PARAMETERS)
 
     def judged(points: Floats, levels: Ints, cells: Ints) -> Judged:
-        return judge(judging, box, points, levels, cells, breathe)
+        found = judge(judging, box, points, levels, cells, breathe)
+        told(found)
+        return found
 
     if given.method == fields.RANDOM:
         return scattered(box, judged, given.budget, given.reliable_share, rng)
-    return refined(box, judged, given.refinements, given.reliable_share, given.budget, rng)
+    return refined(box, judged, given.refinements, given.reliable_share, given.budget, rng, given.splits)
 
 
 def herd_of(trial: Trial) -> Members:
@@ -112,14 +119,15 @@ def _result(
         job = shown_job(judging, map_, int(np.argmax(shares)))
         environment, positions = job.environment, next(iter(judging.group.trajectories([job], chosen.iterations)))
     count = judging.group.count
+    herd = herd_of(trial)
     return TrialResult(
         trial=trial,
-        times=np.arange(len(positions)) * fields.of_trial(trial).timestep_s,
+        times=np.arange(len(positions), dtype=np.float64) * fields.of_trial(trial).timestep_s,
         poses_w=poses_of(positions),
         odometry=np.empty((0, count, 3)),
         bumpers=np.empty((0, count, 2), np.bool_),
         robot_names=tuple(f"{group.name}-{k + 1}" for group in trial.groups for k in range(group.count)),
-        radii=np.repeat([band.radius_m for band in herd_of(trial).bands], [b.count for b in herd_of(trial).bands]),
+        radii=np.repeat([band.radius_m for band in herd.bands], [band.count for band in herd.bands]),
         rules=(),
         walls_w=environment.walls(),
         period_m=np.nan,
@@ -130,7 +138,7 @@ def _result(
         outcome=outcome,
         reason=reason,
         timing={},
-        tables={} if map_ is None else _tables(map_),
+        tables={} if map_ is None else _tables(map_) | flipped(judging, map_),
     )
 
 
@@ -144,3 +152,26 @@ def _tables(map_: ParameterMap) -> dict[str, NDArray[Any]]:
         "fitness": map_.judged.fitness,
         "x_deviation": map_.judged.x_deviation,
     }
+
+
+def flipped(judging: Judging, map_: ParameterMap) -> dict[str, NDArray[Any]]:
+    """The herd's ways in the workspace alone and in the two nearest environments of opposite outcomes, from one start.
+
+    `flip_numbers` (2,) are the configurations, `flip_ways` (3, T, N, 2) the ways and `flip_walls` (3, W, 4) the walls,
+    nan where an environment has fewer. Empty where no configuration succeeds or none fails.
+    """
+    found = flip(map_)
+    if found is None:
+        return {}
+    jobs = [shown_job(judging, map_, number) for number in found]
+    jobs = [
+        jobs[0]._replace(environment=judging.schema.workspace()),
+        jobs[0],
+        jobs[1]._replace(poses_w=jobs[0].poses_w),
+    ]
+    walls = [job.environment.walls() for job in jobs]
+    joined = np.full((len(jobs), max(map(len, walls)), 4), np.nan)
+    for row, each in zip(joined, walls, strict=True):
+        row[: len(each)] = each
+    ways = np.array(list(judging.group.trajectories(jobs, judging.iterations)), dtype=np.float32)
+    return {"flip_numbers": np.array(found), "flip_ways": ways, "flip_walls": joined}

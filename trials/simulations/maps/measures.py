@@ -10,6 +10,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from flocking.types import Bools, Floats
 from generation.maps.regions import region
 from generation.maps.trees import ParameterMap
 from trials.types import Measure
@@ -21,7 +22,9 @@ ABOUT: dict[str, Measure] = {
     "first_successful": Measure("", "successful configurations of the first iteration"),
     "refused": Measure("", "configurations of which the schema makes nothing"),
     "region_area": Measure("", "share of the possible parameters that the successful cells cover"),
-    "region_density": Measure("", "share of success about a successful place, in a window of the first iteration's cell"),
+    "region_density": Measure(
+        "", "share of success about a successful place, in a window of the first iteration's cell"
+    ),
     "clustering": Measure("", "region_density over region_area: 1 where successes are strewn at random"),
     "components": Measure("", "parts of the region that faces connect"),
     "largest_share": Measure("", "volume share of the largest of them; 0 without any"),
@@ -33,7 +36,7 @@ ABOUT: dict[str, Measure] = {
     "best_2": Measure("", "the value of the second one"),
     "trend_1": Measure("", "rank correlation of success with the first refined parameter, first iteration"),
     "trend_2": Measure("", "the same of the second one"),
-    "trend_rest": Measure("", "the same of 1 less both: of the third probability of a simplex"),
+    "trend_rest": Measure("", "the same of 1 less both, where both are probabilities: of the third one"),
     "x_deviation_low": Measure("m", "5 % of the configurations have a smaller deviation along x at the end"),
     "x_deviation": Measure("m", "half of them"),
     "x_deviation_high": Measure("m", "95 % of them"),
@@ -81,7 +84,7 @@ def measure(map_: ParameterMap, within: Mapping[str, tuple[float, float]] | None
         "best_2": middle[1] if len(middle) > 1 else math.nan,
         "trend_1": trends[0],
         "trend_2": trends[1] if len(trends) > 1 else math.nan,
-        "trend_rest": _trend(1.0 - columns[0] - columns[1], judged) if len(columns) > 1 else math.nan,
+        "trend_rest": _trend(1.0 - columns[0] - columns[1], judged) if _simplex(map_) else math.nan,
         "x_deviation_low": low,
         "x_deviation": half,
         "x_deviation_high": high,
@@ -92,11 +95,16 @@ def measure(map_: ParameterMap, within: Mapping[str, tuple[float, float]] | None
     return {name: float(values[name]) for name in ABOUT}
 
 
-def _share(mask: np.ndarray) -> float:
+def _simplex(map_: ParameterMap) -> bool:
+    """Whether the refined parameters can be two of three probabilities."""
+    return len(map_.box.axes) == 2 and all((axis.low, axis.high) == (0.0, 1.0) for axis in map_.box.axes)
+
+
+def _share(mask: Bools) -> float:
     return float(mask.mean()) if len(mask) else math.nan
 
 
-def _trend(values: np.ndarray, success: np.ndarray) -> float:
+def _trend(values: Floats, success: Floats) -> float:
     """Spearman's rank correlation; 0 where the success does not differ, nan for fewer than three configurations."""
     from scipy.stats import spearmanr
 

@@ -10,9 +10,9 @@ from trials.simulations.environments.recordings import write
 from trials.simulations.kinematic import herd
 from trials.simulations.maps import fields, keys, loop
 from trials.simulations.maps.measures import ABOUT, KEY_MEASURES
-from trials.types import Trial, TrialResult, with_setup
+from trials.types import Trial, TrialResult, Value, with_setup
 
-MOMENT = {"grid": "2", "refinements": 0, "budget": 2, "pairs": 1, "iterations": 2}
+MOMENT: dict[str, Value] = {"grid": "2", "refinements": 0, "budget": 2, "pairs": 1, "iterations": 2}
 """Of a trial that is run for a moment, to compile what it needs."""
 CONSTANTS = ("flocking.kinematic.motion", "trials.simulations.maps.measures")
 UNLIMITED = 100_000

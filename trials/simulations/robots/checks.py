@@ -13,7 +13,7 @@ from flocking.errors import InputError
 from flocking.parameters import filled
 from flocking.types import Floats
 from sensing.laser import hokuyo
-from trials.simulations import spread
+from trials.simulations import judged, spread
 from trials.simulations.robots import information
 from trials.simulations.robots.fields import (
     TOGETHER,
@@ -27,6 +27,7 @@ from trials.simulations.robots.log import SAMPLE_S
 from trials.simulations.robots.resolved import Resolved
 from trials.simulations.robots.starts import check_starts, starting_poses
 from trials.types import Trial, compared
+from worlds import start_poses
 from worlds.starts import Starting
 
 
@@ -53,6 +54,7 @@ def check(trial: Trial) -> None:
         information.check(its)
         spread.check(trial, number, its.law_parameters._asdict())
     environment_of(trial)
+    judged.check(trial, given.behaviour)
 
 
 def check_start(trial: Trial) -> None:
@@ -62,7 +64,7 @@ def check_start(trial: Trial) -> None:
     Trials that differ in their laws and detections alone start alike.
     """
     of_groups = tuple((group.name, group.count, compared(group.setup)) for group in trial.groups)
-    names = ("seed", "repeat", "world", "world_source", "world_parameters", "formation", "setup")
+    names = ("seed", "repeat", "world", "world_source", "world_parameters", "formation", "formation_source", "setup")
     _check_start(_Start((*(compared(getattr(trial, name)) for name in names), of_groups), trial))
 
 
@@ -90,8 +92,9 @@ def _check_start(start: _Start) -> None:
     free = world.free_length(filled(world.parameters, trial.world_parameters, prefix="world."), widest)
     _check_reach(trial, given, poses_w, free, fastest, widest)
     names = [f"{group.name}-{k + 1}" for group in trial.groups for k in range(group.count)]
-    together = np.repeat([its.given.formation == TOGETHER for its in groups], [its.given.count for its in groups])
-    check_starts(Starting(names, poses_w, radii, together), environment_of(trial))
+    drawn = not start_poses.is_file(trial.formation)
+    together = [drawn and its.given.formation == TOGETHER for its in groups for _ in range(its.given.count)]
+    check_starts(Starting(names, poses_w, radii, np.array(together)), environment_of(trial))
 
 
 def _check_sensors(its: Resolved, groups: Sequence[Resolved]) -> None:

@@ -11,6 +11,7 @@ from generation.environment import Environment
 from robots import body as bodies
 from sensing.laser import hokuyo
 from trials.rows import below
+from trials.simulations import judged
 from trials.simulations.robots.knowledge import SOURCES
 from trials.types import Group, Trial, Value
 from worlds import formations, known
@@ -78,9 +79,28 @@ class TrialFields(NamedTuple):
             "", "Fine 2015, section 2.3.1: an obstacle-free corridor", published=True, named=world_names, paths=True
         ),
     ] = "corridor"
-    formation: Annotated[str, Parameter("", "Fine 2015, figure 2.5, drawn without numbers", named=formation_names)] = (
-        "single-group"
-    )
+    formation: Annotated[
+        str, Parameter("", "Fine 2015, figure 2.5, drawn without numbers", named=formation_names, paths=True)
+    ] = "single-group"
+    behaviour: Annotated[
+        str,
+        Parameter("", "a choice: what the trial is held against (docs/environments.md)", named=judged.names),
+    ] = judged.NONE
+
+
+class JudgedFields(NamedTuple):
+    """What a trial of robots that is held against a behaviour has besides the behaviour's parameters."""
+
+    iteration_s: Annotated[
+        float,
+        Parameter(
+            "s",
+            "a choice: of one iteration; 2 units of Fine 2015 at a world.scale of 0.05 and 0.25 m/s",
+            low=0.01,
+            high=3600.0,
+            plausible=(),
+        ),
+    ] = 0.4
 
 
 class GroupFields(NamedTuple):
@@ -252,6 +272,15 @@ def of_trial(trial: Trial) -> TrialFields:
     own = {"world": trial.world, "formation": trial.formation}
     filled_in: TrialFields = filled(TrialFields, {**own, **below(trial.setup, "")})
     return filled_in
+
+
+def iteration_s(trial: Trial) -> float:
+    """How long an iteration of a trial's behaviour takes, s. Raises `InputError`."""
+    own = below(trial.setup, judged.BEHAVIOUR)
+    given: JudgedFields = filled(
+        JudgedFields, {k: v for k, v in own.items() if k in JudgedFields._fields}, prefix=judged.BEHAVIOUR
+    )
+    return given.iteration_s
 
 
 def of_group(group: Group) -> GroupFields:

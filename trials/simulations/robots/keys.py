@@ -13,7 +13,7 @@ from robots.body import digest
 from sensing import association
 from sensing.laser import hokuyo
 from trials.rows import Section, below, section
-from trials.simulations import spread
+from trials.simulations import judged, spread
 from trials.simulations.robots import fields
 from trials.simulations.robots.resolved import Resolved
 from trials.types import Group, Trial, with_setup
@@ -27,9 +27,10 @@ def keys_of(trial: Trial, group: Group | None = None) -> list[Section]:
     if group is None:
         world, formation = fields.world_of(trial), formations.parameters_of(trial.formation)
         return [
-            section("", fields.TrialFields, lambda: fields.of_trial(trial)._asdict()),
+            section("", fields.TrialFields, lambda: _of_trial(trial)),
             section("world.", world.parameters, lambda: world.values(trial.world_parameters)),
             section(fields.FORMATION, formation, lambda: _all(formation, trial.formation_parameters)),
+            *_judged(trial),
         ]
     its = Resolved(group)
     law, pipeline, creates = its.law.Parameters, its.pipeline.Parameters, its.for_creates
@@ -44,6 +45,21 @@ def keys_of(trial: Trial, group: Group | None = None) -> list[Section]:
         section(fields.ASSOCIATION, association.Parameters, lambda: _shown(its.association, its.wanted.associate)),
         section(fields.AVOIDANCE, avoidance.Parameters, lambda: _shown(its.avoidance, its.avoids)),
     ]
+
+
+def _of_trial(trial: Trial) -> dict[str, Any]:
+    """The values of a trial; its behaviour only where it has one."""
+    values = fields.of_trial(trial)._asdict()
+    return {key: value for key, value in values.items() if (key, value) != ("behaviour", judged.NONE)}
+
+
+def _judged(trial: Trial) -> list[Section]:
+    """The sections of the behaviour that a trial is held against, if there is one."""
+    own = judged.sections(trial)
+    if not own:
+        return []
+    timing = section(judged.BEHAVIOUR, fields.JudgedFields, lambda: {"iteration_s": fields.iteration_s(trial)})
+    return [timing, *own]
 
 
 def _of_group(its: Resolved) -> dict[str, Any]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import heapq
+import math
 from pathlib import Path
 from time import perf_counter
 
@@ -12,8 +13,8 @@ import numpy as np
 from flocking.errors import InputError, StorageError
 from flocking.types import Floats
 from sensing.truth import judge
-from trials.simulations import watch
-from trials.simulations.robots.fields import of_trial
+from trials.simulations import judged, watch
+from trials.simulations.robots.fields import iteration_s, of_trial
 from trials.simulations.robots.herd import Herd, assemble
 from trials.simulations.robots.log import SAMPLE_S, Log
 from trials.simulations.robots.robot import LawError
@@ -68,7 +69,20 @@ def run_trial(trial: Trial, scans: str = "none", reraise: bool = False, folder: 
         reason=reason,
         timing={"build_s": built - started, "loop_s": finished - built},
     )
-    return dataclasses.replace(result, measures=measure(result) if len(result.times) else {})
+    if len(result.times) == 0:
+        return result
+    return dataclasses.replace(result, measures=measure(result) | _judged(result, given.behaviour))
+
+
+def _judged(result: TrialResult, behaviour: str) -> dict[str, float]:
+    """The measures by the trial's behaviour, of places at each of its iterations; none of a trial that failed."""
+    if behaviour == judged.NONE or result.outcome != "done":
+        return {}
+    every, times = iteration_s(result.trial), result.times
+    at = every * np.arange(math.floor(times[-1] / every + 1e-9) + 1)
+    places = result.poses_w[..., :2].reshape(len(times), -1)
+    positions = np.column_stack([np.interp(at, times, column) for column in places.T])
+    return judged.measure(result.trial, behaviour, positions.reshape(len(at), -1, 2))
 
 
 def run(herd: Herd, log: Log, last: int) -> None:

@@ -7,11 +7,12 @@ from pathlib import Path
 
 from flocking import found
 from robots import body as bodies
+from trials.simulations import judged
 from trials.simulations.contract import Simulation
 from trials.simulations.robots import checks, fields, keys, worldfile
 from trials.simulations.robots.measures import ABOUT, HEADINGS, KEY_MEASURES
 from trials.types import Trial, TrialResult, with_setup
-from worlds import formations, known
+from worlds import formations, known, start_poses
 
 MOMENT_S = 1.0
 """Simulated time in which every robot senses and acts a few times."""
@@ -75,7 +76,8 @@ def listed(kind: str) -> Mapping[str, object]:
     if kind == "worlds":
         modules = {name: found.load(known.PACKAGE, name, "world") for name in fields.world_names()}
         return {**modules, "FILE": known.OfFile}
-    return {f"robots: {name}": formation.place for name, formation in formations.FORMATIONS.items()}
+    places: dict[str, object] = {f"robots: {name}": each.place for name, each in formations.FORMATIONS.items()}
+    return {**places, "FILE": start_poses.Parameters}
 
 
 SIMULATION = Simulation(
@@ -84,7 +86,7 @@ SIMULATION = Simulation(
     settled=keys.settled,
     run_trial=run_trial,
     record=record,
-    measures=ABOUT,
+    measures={**ABOUT, **judged.ABOUT},
     key_measures=KEY_MEASURES,
     limit_s=limit_s,
     moment=moment,

@@ -14,22 +14,24 @@ from trials.rows import below
 from trials.simulations.robots.fields import FORMATION, TOGETHER, environment_of, of_group
 from trials.streams import Purpose, stream
 from trials.types import Trial
-from worlds import formations, starts
+from worlds import formations, start_poses, starts
 from worlds.walls import FENCE
 
 
 def starting_poses(trial: Trial) -> Floats:
     """(N, 3) x, y, heading in the world of all robots, group by group.
 
-    The groups without a formation of their own share the trial's, in their order, put at the world's start. A group's
-    own formation is drawn from the group's own stream, turned by `start_heading_deg` and put at `start_x_m`,
-    `start_y_m`. Raises `InputError`.
+    The groups without a formation of their own share the trial's, in their order, put at the world's start; poses of a
+    file stand where it says. A group's own formation is drawn from the group's own stream, turned by
+    `start_heading_deg` and put at `start_x_m`, `start_y_m`. Raises `InputError`.
     """
     given = [of_group(group) for group in trial.groups]
     shared = sum(fields.count for fields in given if fields.formation == TOGETHER)
     rng = stream(trial.seed, trial.repeat, 0, 0, Purpose.START)
     together = np.empty((0, 3))
-    if shared:
+    if start_poses.is_file(trial.formation):
+        together = start_poses.poses(trial.formation, trial.formation_source, shared)
+    elif shared:
         drawn = formations.poses(trial.formation, trial.formation_parameters, shared, rng)
         together = starts.put_at_start(environment_of(trial), drawn)
     parts, placed = [], 0

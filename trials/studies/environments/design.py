@@ -42,9 +42,9 @@ _SPEEDS = ("speed_m_s", "step_m")
 """The parameter by which a law knows its speed: in iterations of one second a step is one as well."""
 
 
-def herd(count: int = MEMBERS, law: str = LAWS[0], **setup: Value) -> Group:
+def herd(count: int = MEMBERS, law: str = LAWS[0]) -> Group:
     """Members that keep away from walls."""
-    return group(law, count, obstacles="avoid", **setup)
+    return group(law, count, obstacles="avoid")
 
 
 def base(experiment: str, repeat: int, count: int = MEMBERS) -> Trial:
@@ -84,6 +84,13 @@ def cells(conditions: Mapping[str, Sequence[Any]], presets: Sequence[Preset] = P
             f"{' or '.join(f'{p.size_m:g} m, {p.speed_m_s:g} m/s' for p in presets)}"
         )
     return found
+
+
+def with_bodies(trial: Trial, preset: Preset) -> Trial:
+    """The trial with the preset's speed and turn limit in all its groups, where they have none."""
+    own: dict[str, Value] = {"cruise_m_s": preset.speed_m_s, "max_turn_rate_rad_s": preset.turn_rad_s}
+    groups = tuple(dataclasses.replace(group, setup={**own, **group.setup}) for group in trial.groups)
+    return dataclasses.replace(trial, groups=groups)
 
 
 def finish(trial: Trial) -> Trial:

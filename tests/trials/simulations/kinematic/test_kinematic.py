@@ -241,7 +241,7 @@ class TestKeys:
             ("updating", "backwards", "did you mean backward"),
             ("steps", 0, "at least 1|from 1"),
             ("step", 3, "did you mean steps"),
-            ("world", "corridor", "unbounded or bounded"),
+            ("world", "corridr", "did you mean corridor"),
             ("world.size_m", 3.0, "world.size_m"),
             ("formation", "single", "did you mean single-group"),
             ("formation.gap_m", 3.0, "formation.gap_m"),

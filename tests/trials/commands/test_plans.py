@@ -1,0 +1,99 @@
+"""`herd import` and `herd export` in a process of their own."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import cv2
+import mujoco
+import numpy as np
+import pytest
+import trimesh
+
+from generation import files, sources
+from generation.environment import Environment
+from generation.primitives import Point, Polygon, Segment
+
+SVG = """<svg xmlns="http://www.w3.org/2000/svg" width="4000mm" height="2000mm" viewBox="0 0 4000 2000">
+<rect width="4000" height="2000" data-free="inside"/>
+<g id="construct"><line x1="1000" x2="1000" y2="1500"/></g></svg>"""
+
+
+def herd(*words: str, cwd: Path) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-m", "trials.commands.cli", *words], cwd=cwd, capture_output=True, text=True, timeout=300
+    )
+
+
+def test_a_plan_is_imported_and_exported_to_every_format(tmp_path: Path) -> None:
+    (tmp_path / "plan.svg").write_text(SVG)
+    done = herd("import", "plan.svg", "--out", "plan.json", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "1 polygon, 1 segment; 5 straight pieces" in done.stdout
+    assert "13.50 m of walls, x 0.00 to 4.00 m, y -2.00 to 0.00 m" in done.stdout
+    environment = files.read(tmp_path / "plan.json")
+    assert environment.construct == (Segment(1.0, 0.0, 1.0, -1.5),)
+    for name in ("out.svg", "out.stl", "out.3mf", "out.xml"):
+        done = herd("export", "plan.json", "--out", name, cwd=tmp_path)
+        assert done.returncode == 0, done.stderr
+        assert "its construct needs 1.500 m of fence" in done.stdout
+    mesh = trimesh.load(tmp_path / "out.stl")
+    assert mesh.is_watertight
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "out.xml"))
+    assert model.ngeom == 1 + 5  # floor, four walls, one fence
+    back = sources.environment_text(str(tmp_path / "out.svg"))
+    found = files.from_json(back)
+    assert (found.workspace, found.construct) == (environment.workspace, environment.construct)
+
+
+def test_a_map_is_imported_with_the_error_of_its_walls(tmp_path: Path) -> None:
+    pixels = np.full((40, 60), 254, dtype=np.uint8)
+    pixels[[0, -1]] = pixels[:, [0, -1]] = 0
+    cv2.line(pixels, (10, 5), (50, 35), 0, 1)
+    cv2.imwrite(str(tmp_path / "map.pgm"), pixels)
+    (tmp_path / "map.yaml").write_text(
+        "image: map.pgm\nresolution: 0.1\norigin: [-1, -2, 0.2]\noccupied_thresh: 0.65\nfree_thresh: 0.2\nnegate: 0\n"
+    )
+    done = herd("import", "map.yaml", "--out", "map.json", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "4000 beams against the map: 100.00 % at most one cell (0.1 m) off, the worst" in done.stdout
+    assert (
+        herd("export", "map.json", "--out", "map.xml", cwd=tmp_path).returncode == 0
+    )  # thin walls have room for boxes
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        (("import", "none.svg", "--out", "a.json"), "does not exist"),
+        (("import", "plan.svg", "--out", "a.txt"), "expected a name that ends in .json"),
+        (("import", "plan.svg", "--out", "there.json"), "there is such a file"),
+        (("import", "plan.svg", "--out", "a.json", "--unit", "mile"), "unknown unit 'mile'"),
+        (("import", "plan.svg", "--out", "a.json", "--unit", "m", "--scale", "2"), "expected one of them"),
+        (("import", "plan.svg", "--out", "a.json", "--scale", "nan"), "expected metres per unit"),
+        (("import", "there.json", "--out", "a.json"), "is no plan"),
+        (("export", "there.json", "--out", "a.obj"), "expected a name that ends in .svg or .stl or .3mf or .xml"),
+        (("export", "there.json", "--out", "a.svg", "--height-m", "1"), "of fences to build"),
+        (("export", "there.json", "--out", "a.stl", "--height-m", "-1"), "height_m"),
+        (("export", "there.json", "--out", "a.stl"), "is empty"),
+        (("export", "bad.json", "--out", "a.stl"), "is no JSON"),
+    ],
+)
+def test_bad_input_is_told_in_one_line(tmp_path: Path, words: tuple[str, ...], expected: str) -> None:
+    (tmp_path / "plan.svg").write_text(SVG)
+    (tmp_path / "bad.json").write_text("{")
+    files.write(Environment(markers={"start": Point()}), tmp_path / "there.json")
+    done = herd(*words, cwd=tmp_path)
+    assert done.returncode == 2
+    assert expected in done.stderr
+    assert len(done.stderr.strip().splitlines()) == 1
+    assert not (tmp_path / "a.json").exists()
+
+
+def test_a_plan_is_a_world_as_it_stands(tmp_path: Path) -> None:
+    (tmp_path / "plan.svg").write_text(SVG)
+    found = files.from_json(sources.environment_text(str(tmp_path / "plan.svg")))
+    assert isinstance(found.workspace[0], Polygon)
+    assert found.workspace[0].free == "inside"

@@ -1,0 +1,117 @@
+"""`herd validate`: its table, what it writes, and what it refuses in one line."""
+
+from __future__ import annotations
+
+import csv
+import json
+import sys
+from pathlib import Path
+
+import pytest
+
+from generation import files
+from generation.environment import Environment
+from generation.primitives import Point, Segment
+from trials.commands import cli
+
+WEDGE = Environment(
+    construct=(Segment(0.0, 30.0, -60.0, 90.0), Segment(0.0, 30.0, 60.0, 90.0)),
+    markers={"start": Point(0.0, 0.0, 1.5707963)},
+)
+GROUP = ["--law", "reynolds-boids", "--members", "5", "--jobs", "1"]
+BAD = '''
+"""Returns too much."""
+from typing import NamedTuple
+ITERATIONS = 3
+SUCCESS = 1.0
+
+
+class Parameters(NamedTuple):
+    """None."""
+
+
+def fitness(positions, environment, parameters):
+    return {}
+'''
+
+
+def herd(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, str, str]:
+    monkeypatch.setattr(sys, "argv", ["herd", "validate", *words])
+    code = cli.main()
+    out, err = capsys.readouterr()
+    return code, out, err
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    (tmp_path / "made").mkdir()
+    for k in range(2):
+        files.write(WEDGE, tmp_path / "made" / f"{k}.json")
+    return tmp_path
+
+
+def test_the_table_and_what_is_written(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = [str(folder / "made"), "--behaviour", "simple-split", *GROUP, "--repeats", "3", "--set", "starts.side_m=20"]
+    code, out, err = herd(monkeypatch, capsys, *words, "--out", str(folder / "o.csv"), "--robustness")
+    assert (code, err) == (0, "")
+    assert "uplift" in out
+    assert "empty world on the same starts" in " ".join(out.split())
+    assert "robustness" in out or "perturbed" in out
+    code, _, _ = herd(monkeypatch, capsys, *words, "--out", str(folder / "o.json"))
+    rows = list(csv.DictReader((folder / "o.csv").open(encoding="utf-8")))
+    again = json.loads((folder / "o.json").read_text(encoding="utf-8"))
+    assert [row["environment"] for row in rows] == [str(folder / "made" / f"{k}.json") for k in range(2)]
+    for row, other in zip(rows, again, strict=True):
+        assert {name: str(value) for name, value in other.items()} == row  # a run of the same seed is the same
+        assert int(row["simulations"]) == 3
+        assert float(row["uplift"]) == pytest.approx(float(row["success"]) - float(row["control_success"]))
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (["--set", "law.rang_m=3"], "range_m"),
+        (["--set", "herd.count=3"], "herd.count"),
+        (["--set", "members.sped_m_s=3"], "members.speed_m_s"),
+        (["--set", "starts.side_m=-1"], "starts.side_m"),
+        (["--scale", "0.1"], "--body"),
+        (["--body", "creat"], "create"),
+        (["--out", "x.txt"], ".csv or .json"),
+    ],
+)
+def test_what_does_not_fit_is_refused_in_one_line(
+    words: list[str], told: str, folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    given = [str(folder / "made"), "--behaviour", "simple-split", *GROUP, *words]
+    code, _, err = herd(monkeypatch, capsys, *given)
+    assert code == 2
+    assert told in err
+    assert err.count("\n") == 1
+
+
+def test_a_missing_file_and_behaviour(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    code, _, err = herd(monkeypatch, capsys, str(folder / "no.json"), "--behaviour", "simple-split", *GROUP)
+    assert (code, err.count("\n")) == (2, 1)
+    assert "does not exist" in err
+    code, _, err = herd(monkeypatch, capsys, str(folder / "made"), "--behaviour", "simple-splat", *GROUP)
+    assert (code, err.count("\n")) == (2, 1)
+    assert "simple-split" in err
+
+
+@pytest.mark.parametrize("value", ["1.7", "float('nan')"])
+def test_a_behaviour_that_returns_no_fitness(
+    value: str, folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    own = folder / "own.py"
+    own.write_text(BAD.format(f"0.5 if environment.markers['start'].x_m == 0 else {value}"), encoding="utf-8")
+    files.write(WEDGE.moved(x_m=5.0), folder / "made" / "1.json")
+    words = [str(folder / "made"), "--behaviour", str(own), *GROUP, "--out", str(folder / "o.json")]
+    code, _, err = herd(monkeypatch, capsys, *words)
+    assert (code, err.count("\n")) == (2, 1)
+    assert "expected a number from 0 to 1" in err
+    kept = json.loads((folder / "o.json").read_text(encoding="utf-8"))
+    assert [row["fitness"] for row in kept] == [0.5]  # what came before is kept
