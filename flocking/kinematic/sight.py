@@ -258,7 +258,7 @@ def pack_columns(columns: Floats, near: Ints, positions: Floats, velocities: Flo
         velocities[at + one] = vy
         ids[count] = j
         count += np.uint64(counts)
-    return int(np.int64(count))
+    return np.int64(count)
 
 
 @borrowing

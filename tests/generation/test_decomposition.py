@@ -19,7 +19,7 @@ TWO = Environment(
 
 
 class Deflected:
-    """Members that go 5 m along their pieces' mean direction, and a little elsewhere by their seed; without any, ahead."""
+    """Members that go 5 m along the mean direction of the pieces, and a little aside by seed; without any, ahead."""
 
     count = 3
 
@@ -102,7 +102,9 @@ def test_features_turn_with_the_herd():
 
 def test_features_of_a_straight_way():
     way = np.linspace(0.0, 1.0, 21)[:, None, None] * np.array([0.0, 2.0]) + np.array([[-1.0, 0.0], [1.0, 0.0]])
-    np.testing.assert_allclose(decomposition.features(way, math.pi / 2, 1.5), [2.0, 0.0, 1.0, 0.0, 1.0, 2.0], atol=1e-12)
+    np.testing.assert_allclose(
+        decomposition.features(way, math.pi / 2, 1.5), [2.0, 0.0, 1.0, 0.0, 1.0, 2.0], atol=1e-12
+    )
     np.testing.assert_allclose(decomposition.features(way, 0.0, 2.5), [0.0, 2.0, 0.0, 1.0, 1.0, 1.0], atol=1e-12)
 
 
