@@ -121,7 +121,7 @@ def make_run(folder: Path) -> None:
         (["run", "vicsek-transition", "--set", "herd.radius_m=2e9"], ["herd.radius_m", "2000000000", "to 1e+09"]),
         (["run", "vicsek-transition", "--set", "herd.leaders=41"], ["herd.leaders = 41", "at most", "40 members"]),
         (["run", "detection-case-studdy"], ["detection-case-studdy", "did you mean detection-case-study"]),
-        (["show", "nothing-like-it"], ["nothing-like-it", "detection-case-study"]),
+        (["show", "xyzzy"], ["xyzzy", "detection-case-study"]),
         (["list", "lows"], ["'lows'", "'laws'"]),
         (["laws", "viscek"], ["'viscek'", "did you mean vicsek"]),
         (["laws", "nowhere/mine.py"], ["nowhere/mine.py", "does not exist"]),

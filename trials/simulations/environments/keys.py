@@ -13,6 +13,7 @@ def keys_of(trial: Trial, group: Group | None = None) -> list[Section]:
     """The keys of such a trial, or of one of its groups: those of a kinematic group."""
     if group is not None:
         return of_members.keys_of(trial, group)
+    fields.check_formation(trial)
     schema, behaviour, chosen = fields.schema_of(trial), fields.behaviour_of(trial), fields.filter_of(trial)
     given = trial.world_parameters
     found = [

@@ -50,6 +50,8 @@ class _Found:
     """(W, 4) of each, m."""
     examples: list[tuple[int, Floats]]
     """Numbers of the first valid environments, with the positions (T, N, 2) of the herd in each."""
+    first: tuple[int, Floats] | None = None
+    """The same of the first environment that passed."""
 
 
 def run_trial(trial: Trial, scans: str = "none", reraise: bool = False, folder: Path | None = None) -> TrialResult:
@@ -100,6 +102,8 @@ def _judge(trial: Trial, numbers: Sequence[int], chosen: fields.Chosen, group: M
     most = fields.of_trial(trial).examples
     for number, whole, positions in _ways(trial, passing, chosen, group):
         found.fitness[number] = chosen.behaviour.judged(positions, whole, chosen.of_behaviour)
+        if found.first is None:
+            found.first = number, positions.copy()
         if len(found.examples) < most and chosen.behaviour.succeeds(found.fitness[number]):
             found.examples.append((number, positions.copy()))
         watch.breathe(number)
@@ -118,28 +122,23 @@ def _ways(
 
 
 def _result(trial: Trial, chosen: fields.Chosen, found: _Found, outcome: str, reason: str) -> TrialResult:
-    """A result whose way is that of the first example; members that never moved where there is none."""
+    """A result whose way is that of the first example, or else of the first environment that passed, if one did."""
     count = sum(group.count for group in trial.groups)
-    moments: Floats = np.zeros(1)
-    kept: Floats = np.zeros((0, 1, count, 2))
-    if found.examples:
-        steps = len(found.examples[0][1])
-        picked = np.unique(np.linspace(0, steps - 1, min(steps, MOST_MOMENTS)).round().astype(np.int64))
-        kept = np.array([way[picked] for _, way in found.examples])
-        moments = picked.astype(np.float64) * fields.of_trial(trial).timestep_s
-    number = found.examples[0][0] if found.examples else 0
+    bands = herds.group(trial).bands
+    example = found.examples[0] if found.examples else found.first
+    number = example[0] if example is not None else 0
     shown = herds.environment(trial, number, chosen)
-    poses_w = poses_of(kept[0]) if len(kept) else herds.start(trial, number, shown)[None]
+    way = example[1] if example is not None else herds.start(trial, number, shown)[None, :, :2]
+    picked = np.unique(np.linspace(0, len(way) - 1, min(len(way), MOST_MOMENTS)).round().astype(np.int64))
+    kept = np.array([way[picked] for _, way in found.examples]).reshape(-1, len(picked), count, 2)
     return TrialResult(
         trial=trial,
-        times=moments,
-        poses_w=poses_w,
+        times=picked.astype(np.float64) * fields.of_trial(trial).timestep_s,
+        poses_w=poses_of(way[picked]),
         odometry=np.empty((0, count, 3)),
         bumpers=np.empty((0, count, 2), np.bool_),
         robot_names=tuple(f"{group.name}-{k + 1}" for group in trial.groups for k in range(group.count)),
-        radii=np.repeat(
-            [band.radius_m for band in herds.group(trial).bands], [b.count for b in herds.group(trial).bands]
-        ),
+        radii=np.repeat([band.radius_m for band in bands], [band.count for band in bands]),
         rules=(),
         walls_w=shown.walls(),
         period_m=np.nan,

@@ -25,6 +25,7 @@ from trials.simulations.kinematic.fields import group
 from trials.types import Group, Trial, Value
 
 NAME = "maps"
+FORMATION = "square"
 OWN = "own"
 """The behaviour that a schema is meant for, and its first two parameters that can be refined."""
 BEHAVIOUR = "behaviour."
@@ -43,7 +44,7 @@ class NameFields(NamedTuple):
     world: Annotated[
         str, Parameter("", "Fine 2015, section 7.4: the schema that is mapped", named=schemas, paths=True)
     ] = "dirt"
-    formation: Annotated[str, Parameter("", "a choice: the only one", choices=("square",))] = "square"
+    formation: Annotated[str, Parameter("", "a choice: the only one", choices=(FORMATION,))] = FORMATION
 
 
 class TrialFields(NamedTuple):
@@ -147,7 +148,7 @@ def trial(
         repeat=repeat,
         simulation=NAME,
         world=schema,
-        formation="square",
+        formation=FORMATION,
         groups=tuple(groups),
         world_parameters=world_parameters or {},
         formation_parameters=formation_parameters or {},
@@ -186,8 +187,14 @@ def of_trial(trial: Trial) -> TrialFields:
 def schema_of(trial: Trial) -> Schema:
     """The schema of a trial. Raises `InputError` with the nearest names if there is none."""
     if not is_path(trial.world) and trial.world.replace("_", "-") not in schemas():
-        raise unknown_name("schema", trial.world, schemas())
+        raise unknown_name("world", trial.world, schemas())
     return load(trial.world)
+
+
+def check_formation(trial: Trial) -> None:
+    """Refuses a formation that there is not: `InputError`."""
+    if trial.formation != FORMATION:
+        raise unknown_name("formation", trial.formation, [FORMATION])
 
 
 def behaviour_of(trial: Trial) -> Behaviour:

@@ -26,6 +26,7 @@ from trials.rows import below
 from trials.types import Group, Trial, Value
 
 NAME = "searches"
+FORMATION = "square"
 OWN = "own"
 """The behaviour that a schema is meant for, its searched parameters, or the group's own count."""
 BEHAVIOUR, SEARCH, PIECES = "behaviour.", "search.", "pieces."
@@ -48,7 +49,7 @@ class NameFields(NamedTuple):
         str, Parameter("", "a choice: the schema that is searched, or whose construct is decomposed", named=schemas,
                        paths=True)
     ] = "dirt"  # fmt: skip
-    formation: Annotated[str, Parameter("", "a choice: the only one", choices=("square",))] = "square"
+    formation: Annotated[str, Parameter("", "a choice: the only one", choices=(FORMATION,))] = FORMATION
 
 
 class TrialFields(NamedTuple):
@@ -160,7 +161,7 @@ def trial(
         repeat=repeat,
         simulation=NAME,
         world=schema,
-        formation="square",
+        formation=FORMATION,
         groups=tuple(groups),
         world_parameters=world_parameters or {},
         formation_parameters=formation_parameters or {},
@@ -189,8 +190,14 @@ def of_pieces(trial: Trial) -> PiecesFields:
 def schema_of(trial: Trial) -> Schema:
     """The schema of a trial. Raises `InputError` with the nearest names if there is none."""
     if not is_path(trial.world) and trial.world.replace("_", "-") not in schemas():
-        raise unknown_name("schema", trial.world, schemas())
+        raise unknown_name("world", trial.world, schemas())
     return load(trial.world)
+
+
+def check_formation(trial: Trial) -> None:
+    """Refuses a formation that there is not: `InputError`."""
+    if trial.formation != FORMATION:
+        raise unknown_name("formation", trial.formation, [FORMATION])
 
 
 def behaviour_of(trial: Trial) -> Behaviour:

@@ -33,7 +33,7 @@ def _questions(cells: Cells) -> list[Question]:
         Question(
             source="fine2015 table_7_1 (section 7.2)",
             quantity=f"share of {schema} environments that pass",
-            claim=f"{100.0 * rate:.1f} % of the {schema} environments pass their filter",
+            claim=f"share of the {schema} environments that pass their filter: {rate:g}",
             judge=all_must_hold(
                 f"mean of the trials within ±{PASSED_MARGIN:g} of it (two one-sided tests)",
                 partial(_passed, cells, schema, rate),
@@ -66,7 +66,7 @@ def _rate(cells: Cells, behaviour: str, law: str, preset: Preset, rate: float) -
     return Question(
         source="fine2015 table_7_2 (section 7.2)",
         quantity=where,
-        claim=f"{NAMES[law]} shows {BEHAVIOURS[behaviour]} in {100.0 * rate:g} % of the environments that passed",
+        claim=f"share of the environments that passed that elicit {BEHAVIOURS[behaviour]} from {NAMES[law]}: {rate:g}",
         judge=all_must_hold(
             f"mean of the trials within ±{VALID_MARGIN:g} of it (two one-sided tests)",
             partial(_valid, cells, _cell(behaviour, law, preset), rate),

@@ -15,7 +15,7 @@ import numpy as np
 from flocking.errors import InputError
 from trials.batch.folders import newest
 from trials.batch.store import opened
-from trials.evidence.claims import Entry, Question, all_must_hold, answers, published
+from trials.evidence.claims import Entry, Question, all_must_hold, answers, claim_of, published
 from trials.evidence.outcomes import Outcome, above, near
 from trials.evidence.runs import Cells, Run, UndecidedError
 from trials.studies.environments.claims import BEHAVIOURS, NAMES
@@ -44,7 +44,7 @@ def _rates(table: str, section: str, cells: Cells) -> list[Question]:
         Question(
             source=f"fine2015 {table} ({section})",
             quantity=f"{BEHAVIOURS[behaviour]}, {NAMES[law]}",
-            claim=f"{NAMES[law]} shows {BEHAVIOURS[behaviour]} in {100.0 * rate:g} % of five trials",
+            claim=f"share of five trials in which {NAMES[law]} shows {BEHAVIOURS[behaviour]}: {rate:g}",
             judge=all_must_hold(
                 f"mean of the trials within ±{ONE_OF_FIVE:g} of it (two one-sided tests)",
                 partial(_rate, cells, behaviour, law, rate),
@@ -67,11 +67,13 @@ def transfer(run: Run) -> list[Entry]:
 
 def _transfers(run: Run, cells: Cells) -> list[Question]:
     return [
-        Question(
-            source="ours",
-            quantity=f"transfer, {BEHAVIOURS[behaviour]}, {NAMES[law]}",
-            claim="most environments that are valid for kinematic members stay valid for Creates",
-            judge=all_must_hold(
+        claim_of(
+            __package__,
+            "ours",
+            "transfer_claims",
+            1,
+            f"transfer, {BEHAVIOURS[behaviour]}, {NAMES[law]}",
+            all_must_hold(
                 "share of them in which Creates show it above one half (exact)",
                 partial(_transferred, run, cells, behaviour, law),
             ),
