@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy import stats
 
-from flocking.types import Floats, Ints
+from flocking.types import Bools, Floats, Ints
 from generation.maps.trees import ParameterMap, painted
 
 LEVEL = 0.95
@@ -36,8 +36,8 @@ class Surface(NamedTuple):
 
 
 def surface(map_: ParameterMap, places: Floats) -> Surface:
-    """The probability of success at places (P, d) of a map's box. nan without a possible configuration."""
-    widths = _widths(map_, places)
+    """The probability of success at places (P, d) of a map's box; nan in cells of which the schema makes nothing."""
+    widths, there = _cells_at(map_, places)
     whole = widths.prod(axis=1)
     shares = _volumes(map_)
     kept = map_.possible & (shares > 0.0)
@@ -57,6 +57,7 @@ def surface(map_: ParameterMap, places: Floats) -> Surface:
         weights *= np.minimum(1.0, shares / whole[part, None])
         won[part], lost[part] = 0.5 + weights @ successes, 0.5 + weights @ (trials - successes)
     tail = (1.0 - LEVEL) / 2.0
+    won[~there] = math.nan
     return Surface(won / (won + lost), stats.beta.ppf(tail, won, lost), stats.beta.ppf(1.0 - tail, won, lost))
 
 
@@ -70,19 +71,19 @@ def _volumes(map_: ParameterMap) -> Floats:
     return whole * counts / owner.size
 
 
-def _widths(map_: ParameterMap, places: Floats) -> Floats:
-    """(P, d) the widths of the cells that places lie in."""
+def _cells_at(map_: ParameterMap, places: Floats) -> tuple[Floats, Bools]:
+    """(P, d) the widths of the cells that places lie in, and (P,) whether the schema makes something of those cells."""
     if (map_.levels < 0).any():
         each = max(1.0, len(map_.points)) ** (1.0 / len(map_.box.axes))
-        return np.tile(map_.box.spans / each, (len(places), 1))
+        return np.tile(map_.box.spans / each, (len(places), 1)), np.ones(len(places), np.bool_)
     level = map_.finest
     owner = painted(map_.box, map_.cells, map_.levels, level)
     shape = np.array(owner.shape)
     at = np.clip(np.floor((places - map_.box.lows) / map_.box.spans * shape).astype(np.int64), 0, shape - 1)
-    levels = np.where(owner >= 0, map_.levels[owner], 0)[tuple(at.T)]
+    here = owner[tuple(at.T)]
+    levels = np.where(here >= 0, map_.levels[here], 0)
     cells = np.array([axis.cells for axis in map_.box.axes])
-    found: Floats = map_.box.spans / (cells * 2.0 ** levels[:, None])
-    return found
+    return map_.box.spans / (cells * 2.0 ** levels[:, None]), map_.possible[here] | (here < 0)
 
 
 def interval(successes: Ints, trials: Ints) -> tuple[Floats, Floats]:

@@ -69,3 +69,15 @@ def test_a_finely_sampled_region_does_not_outweigh_its_surroundings() -> None:
     found = surface(map_, np.array([[0.3, 0.5], [0.7, 0.5]]))
     assert found.probability[0] > 0.95
     assert found.probability[1] == pytest.approx(0.2, abs=0.03)  # what lies two cells and more away adds a bit
+
+
+def test_there_is_no_probability_where_the_schema_makes_nothing() -> None:
+    box = Box((Axis("x", "m", 0.0, 1.0, 8), Axis("y", "m", 0.0, 1.0, 8)))
+
+    def judge(points, levels, cells):  # type: ignore[no-untyped-def]
+        trials = np.where(points.sum(axis=1) <= 1.0, 20, 0)
+        return Judged(trials, trials, np.where(trials > 0, 1.0, np.nan), np.zeros(len(points)))
+
+    found = surface(refined(box, judge, 0, 0.9, 0, np.random.default_rng(1)), np.array([[0.2, 0.2], [0.9, 0.9]]))
+    assert np.isfinite(found.probability).tolist() == [True, False]
+    assert np.isfinite(found.low).tolist() == [True, False]
