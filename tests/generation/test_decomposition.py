@@ -19,7 +19,7 @@ TWO = Environment(
 
 
 class Deflected:
-    """Members that go 5 m along the mean direction of the pieces, and a little aside by seed; without any, ahead."""
+    """Members that go 5 m along their pieces' mean direction, give or take by their seed; without any, ahead."""
 
     count = 3
 

@@ -1,4 +1,4 @@
-"""Searches: with a group whose success is known each finds the best, at its budget, the same each time."""
+"""Searches: with a group whose success is a closed form each finds the best, at its budget, the same each time."""
 
 import math
 
