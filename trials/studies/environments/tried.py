@@ -8,6 +8,8 @@ speed needs for the two units that a kinematic member goes in one.
 from __future__ import annotations
 
 import dataclasses
+import itertools
+from collections.abc import Iterator
 from functools import cache
 from typing import Any
 
@@ -46,25 +48,33 @@ KEYS = (BEHAVIOUR, LAW)
 CONDITIONS = {BEHAVIOUR: BEHAVIOURS, LAW: LAWS}
 
 
-@cache
 def environment(behaviour: str, number: int) -> str:
     """The JSON of the environment of that number (from 1) among those of a behaviour that pass its filter.
 
     Those in which the herd has no room at its start are passed over.
     """
+    known, following = _passing(behaviour)
+    while len(known) < number:
+        known.append(next(following))
+    return known[number - 1]
+
+
+@cache
+def _passing(behaviour: str) -> tuple[list[str], Iterator[str]]:
+    """The environments of a behaviour that are known so far, and those that follow."""
+    return [], _generated(behaviour)
+
+
+def _generated(behaviour: str) -> Iterator[str]:
     schema = found.load(design.OF_BEHAVIOURS[behaviour])
-    chosen = filters.load(schema.filter)
+    chosen, room = filters.load(schema.filter), filters.load("passage")
     of_schema, of_filter = filled(schema.parameters, {}), filled(chosen.parameters, {})
-    room = filters.load("passage")
     of_room = room.filled({"start_m": ROOM_UNITS, "width_m": 0.0})
-    passed, tried = 0, 0
-    while True:
-        whole = schema.generate(of_schema, schema.workspace(), stream(1, 1, 0, tried, Purpose.WORLD))
+    for number in itertools.count():
+        whole = schema.generate(of_schema, schema.workspace(), stream(1, 1, 0, number, Purpose.WORLD))
         whole = dataclasses.replace(whole, markers={START_MARKER: Point(), **whole.markers})
-        tried += 1
-        passed += chosen.accepts(whole, of_filter) and room.accepts(whole, of_room)
-        if passed == number:
-            return to_json(whole)
+        if chosen.accepts(whole, of_filter) and room.accepts(whole, of_room):
+            yield to_json(whole)
 
 
 def of_creates(experiment: str, repeat: int) -> Trial:
