@@ -13,7 +13,7 @@ from functools import partial
 from typing import Any
 
 from trials.evidence.claims import Entry, Question, all_must_hold, answers, claim_of, published
-from trials.evidence.outcomes import Outcome, more, near
+from trials.evidence.outcomes import Outcome, above, more, near
 from trials.evidence.runs import Cells, Run, UndecidedError
 from trials.studies.environments import design
 from trials.studies.environments.design import OF_BEHAVIOURS, PRESETS, Preset
@@ -84,7 +84,7 @@ def _passed(cells: Cells, schema: str, rate: float) -> list[Outcome]:
 
 
 def _valid(cells: Cells, cell: tuple[Any, ...], rate: float) -> list[Outcome]:
-    uplift = more("uplift over the empty world", cells.array("uplift", *cell), 0.0, decides=False)
+    uplift = above("uplift over the empty world", cells.array("uplift", *cell), 0.0, VALID_MARGIN, decides=False)
     return [near("share that elicits it", cells.array("valid_rate", *cell), rate, VALID_MARGIN), uplift]
 
 
@@ -109,7 +109,7 @@ def _extreme(cells: Cells, presets: Sequence[Preset], least: bool) -> list[Outco
             if other != own:
                 pair = (other, own) if least else (own, other)
                 label = f"{_told(preset)}: {'more' if least else 'less'} by {NAMES[law]}, {BEHAVIOURS[behaviour]}"
-                found.append(more(label, cells.difference("valid_rate", *pair), 0.0))
+                found.append(above(label, cells.difference("valid_rate", *pair), 0.0, VALID_MARGIN))
     return found
 
 
