@@ -1,8 +1,7 @@
 """The elites of searches, tried with Creates: how many walls that steer kinematic members robustly steer robots.
 
-Repeat r is tried in the r-th of the walls of `elites.toml`, which `herd run optimise` found, once. The T-junction of
-2 m has a place for Creates as it is. Without a wall, in a workspace that is its own mirror image, no herd turns right
-as a whole in more than half of its trials.
+Repeat r is tried with the r-th of the walls of `elites.toml`, which `herd run optimise` found, and without a wall, from
+the same start. A T-junction of 2 m has room for Creates as it is.
 """
 
 from __future__ import annotations
@@ -11,24 +10,17 @@ import dataclasses
 import tomllib
 from functools import cache
 from importlib import resources
-from typing import Any
 
-import numpy as np
-
-from generation import found
-from generation.files import to_json
 from trials.simulations.robots.fields import group
 from trials.simulations.robots.fields import trial as of_robots
 from trials.studies.searches.design import MEMBERS
-from trials.studies.searches.transfer_claims import claims
+from trials.studies.searches.transfer_claims import WALL, claims
 from trials.types import Trial, Value, with_setup
 
 REPEATS = 24
 RECORD = "first"
-CONDITIONS: dict[str, tuple[Any, ...]] = {}
+CONDITIONS = {WALL: (True, False)}
 KEY_MEASURES = ("fitness", "elicited")
-FILE = "environment.json"
-"""Path that a trial's world is named by; its text travels with the trial."""
 SPEED_M_S, ITERATION_S, ITERATIONS = 0.25, 0.4, 200
 """Half of a Create's top speed, at which an iteration of 0.1 m takes so long."""
 START: dict[str, Value] = {"gap_m": 0.45, "length_m": 2.6, "half_width_m": 0.6}
@@ -37,19 +29,10 @@ START: dict[str, Value] = {"gap_m": 0.45, "length_m": 2.6, "half_width_m": 0.6}
 
 @cache
 def elites() -> list[dict[str, float]]:
-    """The walls, by their parameters."""
+    """The walls, by their parameters and their robustness."""
     text = resources.files(__package__).joinpath("elites.toml").read_text(encoding="utf-8")
     walls: list[dict[str, float]] = tomllib.loads(text)["elites"]
     return walls
-
-
-@cache
-def environment(number: int) -> str:
-    """The JSON of the environment with the wall of that number, from 1; after the last the first comes again."""
-    schema, wall = found.load("dirt"), dict(elites()[(number - 1) % len(elites())])
-    wall.pop("robustness")
-    parameters = schema.parameters()._replace(**wall)
-    return to_json(schema.generate(parameters, schema.workspace(), np.random.default_rng(0)))
 
 
 def base(repeat: int) -> Trial:
@@ -63,11 +46,19 @@ def base(repeat: int) -> Trial:
         obstacle_selection="nearest",
     )
     made = of_robots(
-        "optimise-transfer", repeat, [herd], world=FILE, formation="scattered", formation_parameters=START,
+        "optimise-transfer", repeat, [herd], world="t-junction", formation="scattered", formation_parameters=START,
         behaviour="turn-right", duration_s=ITERATION_S * ITERATIONS,
     )  # fmt: skip
-    made = dataclasses.replace(made, world_source=environment(repeat))
     return with_setup(made, {"behaviour.iteration_s": ITERATION_S})
 
 
-__all__ = ["CONDITIONS", "KEY_MEASURES", "RECORD", "REPEATS", "base", "claims"]
+def finish(trial: Trial) -> Trial:
+    """The wall of its repeat, unless the user sets another; after the last the first comes again."""
+    if trial.world != "t-junction":
+        return trial
+    wall = elites()[(trial.repeat - 1) % len(elites())]
+    own: dict[str, Value] = {name: wall[name] for name in ("angle_deg", "length_m", "anchor")}
+    return dataclasses.replace(trial, world_parameters={**own, **trial.world_parameters})
+
+
+__all__ = ["CONDITIONS", "KEY_MEASURES", "RECORD", "REPEATS", "base", "claims", "finish"]

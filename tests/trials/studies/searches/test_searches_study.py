@@ -5,8 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+import numpy as np
+import pytest
+
 from tests.trials.studies.judged import verdicts
 from trials import design
+from trials.simulations.robots.fields import environment_of
+from trials.simulations.robots.starts import starting_poses
+from trials.studies.searches import optimise_transfer
 from trials.studies.searches.pieces_claims import REGIONS
 
 
@@ -44,3 +50,24 @@ def test_trials_of_a_repeat_have_the_same_starts_whatever_the_method() -> None:
     trials = design.plan("optimise", repeats=2).trials
     assert len({(trial.seed, trial.repeat) for trial in trials}) == 2
     assert {trial.conditions["method"] for trial in trials} == {"random", "cma-es", "cma-me", "map-elites"}
+
+
+def test_elites_are_tried_with_their_wall_and_without_from_the_same_start() -> None:
+    trials = design.plan("optimise-transfer", repeats=2).trials
+    assert len(trials) == 4
+    for trial in trials:
+        environment = environment_of(trial)
+        assert len(environment.construct) == (1 if trial.conditions["world.wall"] else 0)
+        if environment.construct:
+            wall = optimise_transfer.elites()[trial.repeat - 1]
+            assert environment.fence_length() == pytest.approx(wall["length_m"])
+    for repeat in (1, 2):
+        starts = [starting_poses(trial) for trial in trials if trial.repeat == repeat]
+        np.testing.assert_array_equal(*starts)
+
+
+def test_transfer_is_judged_beside_the_junction_alone() -> None:
+    def measures(conditions: Mapping[str, Any]) -> dict[str, float]:
+        return {"fitness": 0.8 if conditions["world.wall"] else 0.5, "elicited": 0.3}
+
+    assert verdicts("optimise-transfer", measures) == [False, True]
