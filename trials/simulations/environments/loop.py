@@ -61,6 +61,8 @@ def run_trial(trial: Trial, scans: str = "none", reraise: bool = False, folder: 
     what was found until then is kept; with `reraise` the error is raised instead. Raises `InputError` for a trial that
     cannot be set up.
     """
+    import flocking.kinematic.kernel  # noqa: F401 (its import compiles it: here, since no watch is on yet)
+
     began = perf_counter()
     chosen, group = fields.chosen_by(trial), herds.group(trial)
     count = fields.of_trial(trial).environments

@@ -39,6 +39,8 @@ def run_trial(trial: Trial, scans: str = "none", reraise: bool = False, folder: 
     A law or a behaviour that gives what it must not ends the trial: `outcome` is then `failed` and `reason` says why;
     with `reraise` the error is raised instead. Raises `InputError` for a trial that cannot be set up.
     """
+    import flocking.kinematic.kernel  # noqa: F401 (its import compiles it: here, since no watch is on yet)
+
     began = perf_counter()
     chosen = fields.chosen_by(trial)
     judging = judging_of(trial, chosen)
