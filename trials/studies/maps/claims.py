@@ -96,11 +96,11 @@ def of_sirt(run: Run) -> list[Entry]:
 
 
 def of_both(run: Run) -> list[Entry]:
-    """DIRT against SIRT: by number, and by persistence over group sizes."""
+    """SIRT, bottom up, against DIRT, top down: by number, and by persistence over group sizes."""
 
     def questions(cells: Cells) -> list[Question]:
-        number = f"successful share, DIRT less SIRT, seven members, above {EFFICIENT:g}"
-        persists = f"least share over the sizes as part of that of seven, DIRT less SIRT, above {EFFICIENT:g}"
+        number = f"successful share, SIRT less DIRT, seven members, above {EFFICIENT:g}"
+        persists = f"least share over the sizes as part of that of seven, SIRT less DIRT, above {EFFICIENT:g}"
         return [
             _claim("sirt_map", 2, "successful configurations", number, partial(_number, cells)),
             _claim("sirt_map", 3, "persistence over group sizes", persists, partial(_persistence, cells)),
@@ -194,7 +194,7 @@ def _third(cells: Cells) -> list[Outcome]:
 
 
 def _number(cells: Cells) -> list[Outcome]:
-    return [more("DIRT less SIRT", cells.difference("successful_share", ("dirt", 7), ("sirt", 7)), EFFICIENT)]
+    return [more("SIRT less DIRT", cells.difference("successful_share", ("sirt", 7), ("dirt", 7)), EFFICIENT)]
 
 
 def _persistence(cells: Cells) -> list[Outcome]:
@@ -205,4 +205,4 @@ def _persistence(cells: Cells) -> list[Outcome]:
             raise UndecidedError("the run has no other group size than seven")
         least = np.min(list(shares.values()), axis=0)
         kept.append(np.where(shares[MEMBERS] > 0.0, least / np.maximum(shares[MEMBERS], 1e-12), 0.0))
-    return [more("DIRT less SIRT", kept[0] - kept[1], EFFICIENT)]
+    return [more("SIRT less DIRT", kept[1] - kept[0], EFFICIENT)]

@@ -1,4 +1,4 @@
-"""DIRT against SIRT: successful configurations, and how they persist over group sizes, at equal budget.
+"""DIRT (top down) against SIRT (bottom up): successful configurations, and how they persist over group sizes.
 
 Fine 2015, section 8.1.3, asks which of both, top-down or bottom-up, is better, and proposes these two measures.
 Configurations are drawn at random, as shares of them then are of the space: DIRT's angle and length, and SIRT's rules 1
