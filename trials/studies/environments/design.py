@@ -27,6 +27,11 @@ LAWS = ("reynolds-boids", "viscido-snn", "random-motion")
 OF_BEHAVIOURS = {"simple-split": "splitting", "balanced-split": "splitting", "corralling": "weiring"}
 """The schema whose environments are to elicit each behaviour."""
 MEMBERS = 25
+SPREAD = "heading_spread_deg"
+SPREAD_DEG = {"splitting": 60.0}
+"""Headings at the start, ± about the marker's, by schema; all directions elsewhere. A choice: the splitting grammar's
+marker heads for its first walls from 60 units before them, and a herd that starts in any direction seldom meets them
+(docs/environments.md has both)."""
 
 
 class Preset(NamedTuple):
@@ -94,11 +99,16 @@ def with_bodies(trial: Trial, preset: Preset) -> Trial:
 
 
 def finish(trial: Trial) -> Trial:
-    """The law's own speed, and how far walls are avoided, go with the speed of its members' bodies.
+    """The law's own speed, and how far walls are avoided, go with its members' speed; headings go with the schema.
 
     What the user sets stays.
     """
-    return dataclasses.replace(trial, groups=tuple(map(_at_its_speed, trial.groups)))
+    start: dict[str, Value] = {SPREAD: SPREAD_DEG[trial.world]} if trial.world in SPREAD_DEG else {}
+    return dataclasses.replace(
+        trial,
+        formation_parameters={**start, **trial.formation_parameters},
+        groups=tuple(map(_at_its_speed, trial.groups)),
+    )
 
 
 def _at_its_speed(group: Group) -> Group:
