@@ -26,7 +26,7 @@ import numpy as np
 from flocking.errors import InputError
 from flocking.types import Floats
 from robots import body as bodies
-from trials.commands import bench_kinematic, bench_validation
+from trials.commands import bench_kinematic, bench_plan, bench_validation
 from trials.commands.bench_figures import REPEATS, Figure, processor_s, repeated, timed, wall_s
 from trials.design import plan
 from trials.simulations.robots.fields import of_trial
@@ -153,6 +153,17 @@ def laser() -> list[Figure]:
         Figure("rays of a scan", "µs", scans, math.nan, at_least=False),
         Figure("rays", "million a second", tuple(BEAMS / scan for scan in scans), math.nan),
         Figure("beams off by more than 1 cm", "%", (100.0 * apart.distant / apart.beams,), 0.2, at_least=False),
+    ]
+
+
+def floor_plan() -> list[Figure]:
+    """Four Creates that go about a floor plan of many rooms and keep away from its walls, on one core."""
+    made = bench_plan.creates(SECONDS)
+    runs = [bench_plan.loop_seconds(made) for _ in range(REPEATS + 1)][1:]
+    name = f"{bench_plan.ROBOTS} robots in a plan of {len(bench_plan.floor_plan().workspace)} walls"
+    return [
+        Figure(f"{name}, physics and scans", "x real time", tuple(SECONDS / parts for _, parts in runs), 100.0),
+        Figure(f"{name}, whole loop", "x real time", tuple(SECONDS / whole for whole, _ in runs), math.nan),
     ]
 
 
@@ -287,6 +298,7 @@ MEASURES: Sequence[Callable[[], list[Figure]]] = (
     beyond_physics,
     parts,
     laser,
+    floor_plan,
     growth,
     recording,
     workers,
