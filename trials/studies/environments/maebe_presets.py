@@ -8,6 +8,7 @@ from typing import Any
 
 from trials.studies.environments import design, maebe
 from trials.studies.environments.design import Preset, finish
+from trials.studies.environments.presets_figures import figures
 from trials.types import Trial, Value
 
 REPEATS = 4
@@ -33,4 +34,4 @@ def cells(conditions: Mapping[str, Sequence[Any]]) -> list[dict[str, Value]]:
     return design.cells(conditions, [Preset(*preset) for preset in presets])
 
 
-__all__ = ["CONDITIONS", "KEY_MEASURES", "RECORD", "REPEATS", "SOURCES", "base", "cells", "finish"]
+__all__ = ["CONDITIONS", "KEY_MEASURES", "RECORD", "REPEATS", "SOURCES", "base", "cells", "figures", "finish"]
