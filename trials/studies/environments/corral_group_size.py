@@ -21,8 +21,11 @@ SOURCES = {"herd.count": Parameter("members", "Fine 2015, figures 1.2 and 5.1, w
 
 
 def base(repeat: int) -> Trial:
-    """BOIDS at the first preset in fifty environments that are to corral them."""
-    preset = design.LARGE
+    """BOIDS at the second preset in fifty environments that are to corral them.
+
+    At the first no herd is corralled, whatever its size: `--set formation.size_m=40 --set herd.cruise_m_s=2`.
+    """
+    preset = design.SMALL
     herd = design.herd()
     made = trial(
         "corral-group-size", repeat, [herd], "weiring", environments=50, behaviour="corralling",
