@@ -2,17 +2,24 @@
 PYTHON ?= python3
 BIN := .venv/bin
 
-.PHONY: trials test setup pictures
+.PHONY: trials test checks kernel laws setup pictures
 
 trials: setup
 	@$(BIN)/herd run detection-case-study
 
+# Both processes of the tests would compile the kernel as they start: it is compiled beside the checks, and the laws too.
 test: setup
+	@$(MAKE) --no-print-directory -j 2 kernel checks laws
+	@$(BIN)/pytest -n 2 --dist loadfile
+
+checks:
 	@$(BIN)/ruff check .
 	@$(BIN)/ruff format --check .
 	@$(BIN)/mypy
 	@$(BIN)/lint-imports --no-cache
-	@$(BIN)/pytest -n 2 --dist loadfile
+
+kernel laws:
+	@$(BIN)/python -m scripts.compile $@
 
 setup: .venv/ready
 

@@ -45,6 +45,8 @@ LARGE = 96
 BATCH_TRIALS = 16
 BATCH_SECONDS = 60.0
 """Simulated seconds of each trial of the batches."""
+BATCHES = 3
+"""Times that a batch is run by two workers and by one."""
 
 
 def bench(save: Path | None = None, compare: Path | None = None) -> None:
@@ -233,7 +235,7 @@ def workers() -> list[Figure]:
         first = 2 * jobs
         return (len(clock.times) - first) / (clock.times[-1] - clock.times[first - 1])
 
-    ratios = tuple(rate(2) / rate(1) for _ in range(3))
+    ratios = tuple(rate(2) / rate(1) for _ in range(BATCHES))
     return [Figure("two workers against one, wall time", "x", ratios, 1.8)]
 
 

@@ -11,6 +11,7 @@ from functools import cache
 from importlib import resources
 from typing import Any, NamedTuple
 
+from flocking.errors import InputError
 from trials.evidence.outcomes import Outcome, decided_by_all
 from trials.evidence.runs import CellName, Cells, Run, UndecidedError, arms
 
@@ -144,13 +145,22 @@ def answers(run: Run, keys: Sequence[str], questions: Callable[[Cells], Iterable
 
 
 def answered(question: Question, used: Sequence[Cells], arm: Mapping[str, Any]) -> Entry:
-    """The entry of a question on one arm. `used`: the cells that it reads; a judge may add to them while it judges."""
+    """The entry of a question on one arm. `used`: the cells that it reads; a judge may add to them while it judges.
+
+    Raises `InputError` for an outcome without a margin: it could be neither drawn nor told apart from a hair's breadth.
+    """
     for cells in used:
         cells.begin()
     try:
         judged = question.judge()
     except UndecidedError as why:
         return _undecided(question, why, arm, used)
+    for outcome in judged.outcomes:
+        if outcome.margin <= 0.0:
+            raise InputError(
+                f"{question.source}, {question.quantity}: outcome {outcome.label!r} has margin {outcome.margin:g}; "
+                "expected one above 0: the least that counts, or for `above` the scale that it is shown on"
+            )
     shown, failed = judged.shown, sum(cells.failed() for cells in used)
     left_out = f"; {failed} failed trial{'s' if failed > 1 else ''} left out" if failed else ""
     measured, low, high, margin = shown.shown()

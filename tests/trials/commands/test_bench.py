@@ -13,7 +13,7 @@ from numpy.testing import assert_allclose
 
 from flocking.errors import InputError
 from flocking.kinematic import plain
-from trials.commands import bench, bench_figures, bench_kinematic
+from trials.commands import bench, bench_figures, bench_kinematic, bench_validation
 
 
 def test_every_measure_gives_finite_figures_that_are_saved_and_compared(
@@ -25,6 +25,8 @@ def test_every_measure_gives_finite_figures_that_are_saved_and_compared(
     monkeypatch.setattr(bench, "RECORDED_SECONDS", 1.0)
     monkeypatch.setattr(bench, "BATCH_SECONDS", 1.0)
     monkeypatch.setattr(bench, "BATCH_TRIALS", 6)
+    monkeypatch.setattr(bench, "BATCHES", 1)
+    monkeypatch.setattr(bench_validation, "ENVIRONMENTS", 10)
     monkeypatch.setattr(bench, "GROUP_SIZES", (2, 4))
     monkeypatch.setattr(bench, "LARGE", 8)
     monkeypatch.setattr(bench_kinematic, "SIZES", (100, 200))
@@ -42,6 +44,7 @@ def test_every_measure_gives_finite_figures_that_are_saved_and_compared(
     assert medians["rays"] * medians["rays of a scan"] == pytest.approx(682)
     assert medians["beams off by more than 1 cm"] <= 0.2
     assert medians["8 robots, built and measured too"] > 0.0  # of a run of its own: single runs are not compared
+    monkeypatch.setattr(bench, "MEASURES", [bench.laser])  # a comparison sets saved figures beside whatever is measured
     bench.bench(compare=saved)
     assert "before" in capsys.readouterr().out
 

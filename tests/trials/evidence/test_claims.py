@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Callable
 
 import pytest
 
+from flocking.errors import InputError
+from flocking.types import Floats
 from tests.trials.made_up_run import MadeUpRun, made_up_run
 from trials.evidence.claims import Question, all_must_hold, answered, answers, claim_of, published
-from trials.evidence.outcomes import Outcome, near
+from trials.evidence.outcomes import Outcome, above, more, near, ratio, same
 from trials.evidence.runs import Cells, arms
 
 KEYS = ("herd.pipeline", "herd.law.exclusion_m")
@@ -73,6 +76,26 @@ def test_outcomes_without_a_say_decide_nothing() -> None:
     entry = answered(question(cells, decides=False), [cells], {})
     assert entry.agrees is None
     assert entry.test == "undecided: the run has no trials that decide it"
+
+
+@pytest.mark.parametrize(
+    "outcome",
+    [
+        lambda values: more("MMD, m", values, 0.0),
+        lambda values: same("MMD, m", values, 0.0),
+        lambda values: near("MMD, m", values, 1.5, 0.0),
+        lambda values: above("MMD, m", values, 1.0, 0.0),
+        lambda values: ratio("MMD, m", values, 1.0),
+    ],
+)
+def test_an_outcome_without_a_margin_is_refused_in_one_line(outcome: Callable[[Floats], Outcome]) -> None:
+    """None of them could be drawn: the figure of the claims counts in margins. A factor of 1 is none, either."""
+    cells = cells_of(run_of())
+    judge = all_must_hold("a test", lambda: [outcome(cells.array("mmd", *CELL))])
+    told = r"^a source, a quantity: outcome 'MMD, m.*' has margin 0; expected one above 0: .*$"
+    with pytest.raises(InputError, match=told) as refused:
+        answered(Question("a source", "a quantity", "MMD: 1.5", judge), [cells], {})
+    assert "\n" not in str(refused.value)
 
 
 def test_failed_trials_of_the_cells_that_were_read_are_left_out_and_counted() -> None:

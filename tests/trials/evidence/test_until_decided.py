@@ -11,7 +11,7 @@ from flocking.types import Floats
 from tests.trials.made_up_run import MadeUpRow, MadeUpRun
 from trials.evidence.claims import Entry, Question, all_must_hold, answers
 from trials.evidence.looks import among, planned_looks
-from trials.evidence.outcomes import Outcome, more, same
+from trials.evidence.outcomes import Outcome, above, same
 from trials.evidence.runs import Cells, Run, UndecidedError
 from trials.evidence.statistics import exceeds
 from trials.evidence.until_decided import Course, changed, course, laid_down
@@ -50,7 +50,7 @@ def claims(run: Run) -> list[Entry]:
 
     def questions(cells: Cells) -> list[Question]:
         def stronger() -> list[Outcome]:
-            return [more("d", _difference(cells, "strong"), 0.0)]
+            return [above("d", _difference(cells, "strong"), 0.0, MARGIN)]
 
         def alike() -> list[Outcome]:
             return [same("d", _difference(cells, "weak"), MARGIN)]
@@ -59,12 +59,8 @@ def claims(run: Run) -> list[Entry]:
             raise UndecidedError("needs trials of another experiment", ("run", "other"))
 
         return [
-            Question(
-                "made up", "strong", "more", all_must_hold("t", lambda: [more("d", _difference(cells, "strong"), 0.0)])
-            ),
-            Question(
-                "made up", "weak", "same", all_must_hold("t", lambda: [same("d", _difference(cells, "weak"), MARGIN)])
-            ),
+            Question("made up", "strong", "more", all_must_hold("t", stronger)),
+            Question("made up", "weak", "same", all_must_hold("t", alike)),
             Question("made up", "other", "?", all_must_hold("t", unanswerable)),  # type: ignore[arg-type]
         ]
 

@@ -15,7 +15,7 @@ import numpy as np
 from flocking.types import Floats
 from trials.evidence import statistics
 from trials.evidence.claims import Judged
-from trials.evidence.outcomes import Outcome, above, more, same
+from trials.evidence.outcomes import Outcome, above, same
 from trials.evidence.runs import Cells, UndecidedError
 from trials.evidence.statistics import Decision
 from trials.studies.information.law_survey import ORDER, SHARE, SPREAD
@@ -59,12 +59,12 @@ def no_worse(cells: Cells, measures: Sequence[str], cell: Cell, best: Cell, spac
 
 
 def better(cells: Cells, measures: Sequence[str], cell: Cell, control: Cell, spacing_m: float) -> list[Outcome]:
-    """That a herd flocks more than its control."""
+    """That a herd flocks more than its control, by however little; the margin is only that in which it is shown."""
     found = []
     for name in measures:
         exact = tested_exactly(cells, name, cell, control)
         label = f"{WORDS[name]}, against random motion"
-        found.append(more(label, gain(cells, name, cell, control, spacing_m), 0.0, exact=exact))
+        found.append(above(label, gain(cells, name, cell, control, spacing_m), 0.0, MARGINS[name], exact=exact))
     return found
 
 
