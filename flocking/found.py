@@ -21,8 +21,8 @@ from flocking import users_files
 from flocking.errors import InputError, unknown_name
 
 Returned = TypeVar("Returned")
-SUFFIXES = (".py", ".json", ".svg", ".dxf", ".yaml", ".yml", ".csv")
-"""Of the names that mean files of a user's own: Python, environments and plans, starting poses."""
+SUFFIXES = (".py", ".json", ".svg", ".dxf", ".yaml", ".yml", ".csv", ".toml")
+"""Of the names that mean files of a user's own: Python, environments and plans, starting poses, grammars."""
 
 
 def modules(package: str) -> dict[str, str]:

@@ -7,13 +7,13 @@ its random numbers are those of `numpy.random.SeedSequence(seed, spawn_key=(k,))
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from flocking.errors import InputError, unknown_name
-from flocking.parameters import declared
+from flocking.parameters import Declared, declared
 from generation.algorithms import MOST_TRIES, gcg
 from generation.environment import Environment
 from generation.schema import Schema
@@ -34,16 +34,24 @@ class Tally(NamedTuple):
 
 
 def candidate(
-    schema: Schema, parameters: Any, workspace: Environment, seed: int, number: int, varied: Sequence[str] = ()
+    schema: Schema,
+    parameters: Any,
+    workspace: Environment,
+    seed: int,
+    number: int,
+    varied: Sequence[str] = (),
+    within: Mapping[str, tuple[float, float]] = {},
 ) -> Environment:
     """Candidate `number` of a seed; its origin tells how it was made.
 
-    `varied`: parameters that are drawn evenly between their bounds, again where the schema cannot build with them.
-    Raises `InputError` where it cannot build, with none of `MOST_REDRAWN` draws.
+    `varied`: parameters that are drawn evenly between their bounds, or between those of `within` where it has some,
+    again where the schema cannot build with them. Raises `InputError` where it cannot build, with none of
+    `MOST_REDRAWN` draws.
     """
     rng = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(number,)))
     for left in range(MOST_REDRAWN if varied else 1, 0, -1):
-        drawn = parameters._replace(**{name: _drawn(schema.parameters, name, rng) for name in varied})
+        values = {name: _drawn(schema.parameters, name, rng, within.get(name)) for name in varied}
+        drawn = parameters._replace(**values)
         try:
             found = schema.generate(drawn, workspace, rng)
             break
@@ -87,9 +95,7 @@ def check_varied(schema: Schema, varied: Sequence[str]) -> None:
     for name in varied:
         if name not in known:
             raise unknown_name(f"parameter of {schema.name}", name, known)
-        about = known[name].about
-        numbers = known[name].type in (int, float) and np.isfinite([about.low, about.high]).all()
-        if not numbers and known[name].type is not bool and not about.choices:
+        if not _can_be_drawn(known[name]):
             raise InputError(f"parameter {name} of {schema.name} has no bounds to be drawn between")
 
 
@@ -101,13 +107,25 @@ def draws_nothing(schema: Schema, parameters: Any, workspace: Environment) -> bo
     return bool(rng.bit_generator.state == before)
 
 
-def _drawn(parameters: type, name: str, rng: np.random.Generator) -> Any:
+def bounded(schema: Schema) -> list[str]:
+    """The parameters of a schema that can be drawn between bounds, in the order of declaration."""
+    return [name for name, parameter in declared(schema.parameters).items() if _can_be_drawn(parameter)]
+
+
+def _can_be_drawn(parameter: Declared) -> bool:
+    about = parameter.about
+    numbers = parameter.type in (int, float) and bool(np.isfinite([about.low, about.high]).all())
+    return numbers or parameter.type is bool or bool(about.choices)
+
+
+def _drawn(parameters: type, name: str, rng: np.random.Generator, within: tuple[float, float] | None = None) -> Any:
     parameter = declared(parameters)[name]
     about = parameter.about
     if parameter.type is bool:
         return bool(rng.integers(2))
     if about.choices:
         return about.choices[rng.integers(len(about.choices))]
+    low, high = within or (about.low, about.high)
     if parameter.type is int:
-        return int(rng.integers(int(about.low), int(about.high) + 1))
-    return float(rng.uniform(about.low, about.high))
+        return int(rng.integers(int(low), int(high) + 1))
+    return float(rng.uniform(low, high))

@@ -13,7 +13,7 @@ import tomllib
 from collections.abc import Mapping, Sequence
 from contextvars import ContextVar
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -25,6 +25,7 @@ from generation.environment import START, Environment
 from generation.free_paths import inside
 from generation.markers import marker
 from generation.primitives import Polygon
+from generation.schema import Part
 
 AREA = "area"
 MOST_PARTS = 100
@@ -32,24 +33,6 @@ MOST_PARTS = 100
 DEEPEST = 10
 """Hierarchical parts in hierarchical parts. A choice."""
 _depth: ContextVar[int] = ContextVar("depth", default=0)
-
-
-class Part(NamedTuple):
-    """A schema, where it is placed, and what the herd is to do there."""
-
-    schema: str
-    settings: Mapping[str, Any] = {}
-    """Its parameters, where they are not the defaults."""
-    x_m: float = 0.0
-    y_m: float = 0.0
-    turn_deg: float = 0.0
-    scale: float = 1.0
-    walls: bool = True
-    """Whether its own workspace stands there as well; its anchors and other markers do in any case."""
-    behaviour: str = ""
-    """Empty: the schema's."""
-    judging: Mapping[str, Any] = {}
-    """The behaviour's parameters, where they are not the defaults."""
 
 
 def combined(parts: Sequence[Part], rng: np.random.Generator) -> Environment:

@@ -30,15 +30,16 @@ def schemas() -> list[str]:
     return sorted({*found.modules(PACKAGE), *_grammars()})
 
 
-def load(name: str) -> Schema:
+def load(name: str, text: str = "") -> Schema:
     """The schema of this name (`-` and `_` are equal), or that of the user's own file (.py or .toml) at this path.
 
-    Raises `InputError` with the nearest names where there is none, and with its fault where the file is no schema.
+    `text`: of the user's file, where it is known already. Raises `InputError` with the nearest names where there is
+    none, and with its fault where the file is no schema.
     """
     if is_path(name):
         if not name.endswith(".toml"):
-            return _of_module(name, found.load(PACKAGE, name, "schema"))
-        return _of_grammar(name)
+            return _of_module(name, found.load(PACKAGE, name, "schema", text))
+        return _of_grammar(name, text)
     wanted, grammars = name.replace("_", "-"), _grammars()
     if wanted in grammars:
         return _of_grammar(str(grammars[wanted]))
@@ -57,8 +58,8 @@ def _grammars() -> dict[str, Path]:
     return {path.stem.replace("_", "-"): path for path in FOLDER.glob("*.toml")}
 
 
-def _of_grammar(path: str) -> Schema:
-    grammar = files.read(path)
+def _of_grammar(path: str, text: str = "") -> Schema:
+    grammar = files.from_text(text, path) if text else files.read(path)
     if not grammar.workspace:
         return schema_of(grammar, Environment)
     if grammar.workspace in _grammars() or grammar.workspace not in found.modules(PACKAGE):
@@ -97,4 +98,5 @@ def _of_module(name: str, module: ModuleType) -> Schema:
         told(module.generate),
         module.FILTER,
         module.BEHAVIOUR,
+        getattr(module, "parts", None),
     )

@@ -7,18 +7,37 @@ A Python file has
 - `Parameters`, a `NamedTuple` of declared parameters (`flocking.parameters`), whose bounds are the parameter space;
 - `workspace() -> Environment`: what it builds in by itself, with its anchors and goals as markers;
 - `generate(parameters, workspace, rng) -> Environment`: one environment. A deterministic schema draws nothing;
-- `FILTER` and `BEHAVIOUR`: the names of the filter and of the behaviour that it is meant for.
+- `FILTER` and `BEHAVIOUR`: the names of the filter and of the behaviour that it is meant for;
+- where it combines other schemas, `parts(parameters)`: its parts, a `Part` a stage.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from generation.environment import Environment
+
+
+class Part(NamedTuple):
+    """One of the schemas that a schema combines, where it is placed, and what the herd is to do there."""
+
+    schema: str
+    settings: Mapping[str, Any] = {}
+    """Its parameters, where they are not the defaults."""
+    x_m: float = 0.0
+    y_m: float = 0.0
+    turn_deg: float = 0.0
+    scale: float = 1.0
+    walls: bool = True
+    """Whether its own workspace stands there as well; its anchors and other markers do in any case."""
+    behaviour: str = ""
+    """Empty: the schema's."""
+    judging: Mapping[str, Any] = {}
+    """The behaviour's parameters, where they are not the defaults."""
 
 
 @dataclass(frozen=True)
@@ -36,3 +55,5 @@ class Schema:
     """Name of a filter; empty: none."""
     behaviour: str
     """Name of a behaviour."""
+    parts: Callable[[Any], Sequence[Part]] | None = None
+    """(its parameters) → the parts that it combines, each with the behaviour of its stage; None where it does not."""

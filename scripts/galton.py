@@ -2,8 +2,11 @@
 
     python -m scripts.galton [--grains 5000] [--herds 20] [--members 25] [--laws A,B]
 
-A flock is a kinematic herd that starts in the throat of the funnel, heading down: nothing else drives it. It is counted
-after `ITERATIONS` at 2 m each. Members that are above the bins by then are in none. To flocks, pegs are polygons.
+A flock is a kinematic herd that starts in the throat of the funnel, heading down. Nothing else drives those of
+`--laws`. Those of `DRIVEN` run Couzin's law, and all their members prefer the direction down: they see one another
+as far as in the splitting grammar's herds or hardly at all, and go straight or turn at random at each step. Flocks are
+counted after `ITERATIONS` at 2 m each. Members that are above the bins by then are in none. To flocks, pegs are
+polygons.
 """
 
 from __future__ import annotations
@@ -11,6 +14,7 @@ from __future__ import annotations
 import argparse
 import dataclasses
 import math
+from typing import Any
 
 import numpy as np
 
@@ -26,8 +30,23 @@ CORNERS = 12
 """Of a peg as flocks meet it. A choice: the millimetre that circles are straightened to is no use at this scale."""
 
 
-def flocks(environment: Environment, law: str, herds: int, members: int, seed: int) -> np.ndarray:
-    """(herds * members,) the bins of the members of independent herds."""
+DOWN = {"goal_x_m": 0.0, "goal_y_m": -1e9}
+"""A goal that far away is a direction."""
+TOGETHER = {"alpha_m": 4.0, "rho_m": 25.0, "omega": 1.0, "speed_m_s": 2.0}
+APART = {**TOGETHER, "alpha_m": 1.0, "rho_m": 1.0}
+WAVERING = {"noise_rad": 0.5}
+"""Standard deviation of each step's turn: a choice."""
+DRIVEN = {
+    "down, together": TOGETHER,
+    "down, apart": APART,
+    "wavering, together": {**TOGETHER, **WAVERING},
+    "wavering, apart": {**APART, **WAVERING},
+}
+"""Parameters of Couzin's law, by the name of the flock. A choice; what members prefer counts as much as the others."""
+
+
+def flocks(environment: Environment, law: str, herds: int, members: int, seed: int, **given: Any) -> np.ndarray:
+    """(herds * members,) the bins of the members of independent herds; `given`: fields of its `Members`."""
     side = galton.Parameters().gap_m / 2
     throat = galton.Parameters().peg_m + galton.Parameters().row_m + side
     jobs = []
@@ -35,7 +54,7 @@ def flocks(environment: Environment, law: str, herds: int, members: int, seed: i
         rng = np.random.default_rng([seed, herd])
         places = rng.uniform(-side, side, (members, 2)) + np.array([0.0, throat])
         jobs.append(Job(environment, np.column_stack([places, np.full(members, -math.pi / 2)]), (seed, herd)))
-    group = kinematic(law, members)
+    group = kinematic(law, members, **given)
     ends = [positions[-1] for positions in group.trajectories(jobs, ITERATIONS)]
     return np.concatenate([bins_of(environment, end) for end in ends])
 
@@ -56,7 +75,7 @@ def with_corners(board: Environment) -> Environment:
 def told(name: str, found: Comparison) -> str:
     """One line of the table."""
     counts = " ".join(f"{count:5d}" for count in found.counts)
-    return f"{name:14} {counts}   none {found.nowhere:5d}   distance {found.distance:.3f}   p {found.p:.2g}"
+    return f"{name:26} {counts}   none {found.nowhere:5d}   distance {found.distance:.3f}   p {found.p:.2g}"
 
 
 def main() -> None:
@@ -75,11 +94,13 @@ def main() -> None:
     print(told("sinking grains", compared(sunk(board, given.grains, np.random.default_rng([given.seed, 3])), count)))
     grains = fallen(board, given.grains, np.random.default_rng([given.seed, 2]))
     print(told("bouncing", compared(grains, count)))
-    for law in given.laws.split(","):
-        print(
-            told(law, compared(flocks(with_corners(board), law, given.herds, given.members, given.seed), count)),
-            flush=True,
-        )
+    pegs = with_corners(board)
+    for law in filter(None, given.laws.split(",")):
+        print(told(law, compared(flocks(pegs, law, given.herds, given.members, given.seed), count)), flush=True)
+    for name, parameters in DRIVEN.items():
+        for members, herds in ((given.members, given.herds), (1, given.herds * given.members)):
+            bins = flocks(pegs, "couzin", herds, members, given.seed, law_parameters=parameters, **DOWN)
+            print(told(f"{name}, of {members}", compared(bins, count)), flush=True)
 
 
 if __name__ == "__main__":

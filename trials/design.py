@@ -233,8 +233,9 @@ def _usual(base: Trial, trial: Trial) -> dict[str, Any]:
         usual |= {row.key: row.value for row in keys.rows(there) if row.key.startswith(f"{WORLD}.")}
     groups = [
         own if own.law == other.law else dataclasses.replace(other, law_parameters={})
-        for own, other in zip(base.groups, trial.groups, strict=True)
+        for own, other in zip(base.groups, trial.groups, strict=False)
     ]
+    groups += trial.groups[len(base.groups) :]  # of a trial that was finished with more of them
     others = keys.rows(dataclasses.replace(base, groups=tuple(groups)))
     return usual | {row.key: row.value for row in others if ".law." in row.key}
 

@@ -41,6 +41,9 @@ class OfFile(NamedTuple):
     reflectance: Annotated[
         float, Parameter("", "the file's own: diffuse albedo of all walls", low=0.01, high=1.0, plausible=())
     ] = OPEN
+    construct: Annotated[
+        bool, Parameter("", "whether its construct stands there; false = the empty-world control", plausible=())
+    ] = True
 
 
 class Known(NamedTuple):
@@ -71,16 +74,18 @@ def is_file(world: str) -> bool:
 
 
 def text_of(path: str) -> str:
-    """The text of a user's own world that travels with a trial: Python, or an environment's JSON.
+    """The text of a user's own world that travels with a trial: Python, an environment's JSON, or a grammar's TOML.
 
     Raises `InputError`.
     """
+    if _is_grammar(path):
+        return found.read(path, "grammar", "a TOML file")
     return sources.environment_text(path) if _is_environment(path) else found.read(path, "world")
 
 
 def told(path: str) -> list[str]:
     """What a user should know of such a file, one line each. Raises `InputError`."""
-    return sources.told(path) if _is_environment(path) else []
+    return sources.told(path) if _is_environment(path) and not _is_grammar(path) else []
 
 
 def load(world: str, text: str = "") -> Known:
@@ -88,6 +93,11 @@ def load(world: str, text: str = "") -> Known:
 
     Raises `InputError`.
     """
+    if _is_grammar(world):
+        raise InputError(
+            f"world {world!r} is a grammar, of which a herd needs one environment; expected its file, as "
+            "`herd generate` makes them"
+        )
     if is_file(world) and _is_environment(world):
         return Known(OfFile, partial(_of_file, world, text or text_of(world)), _endless)
     module = found.load(PACKAGE, world, "world", text)
@@ -127,6 +137,10 @@ def _is_environment(path: str) -> bool:
     return not path.endswith(".py")
 
 
+def _is_grammar(path: str) -> bool:
+    return path.lower().endswith(".toml")
+
+
 def _endless(_values: Any, _radius_m: float) -> float:
     return math.inf
 
@@ -146,6 +160,8 @@ def _of_file(path: str, text: str, values: OfFile) -> Environment:
     environment = _parsed(path, text)
     if values.scale != 1.0:
         environment = environment.moved(scale=values.scale)
+    if not values.construct:
+        environment = dataclasses.replace(environment, construct=())
     if not math.isnan(values.reflectance):
         environment = dataclasses.replace(environment, reflectance=values.reflectance)
     return environment

@@ -14,9 +14,10 @@ from typing import Annotated, Any, NamedTuple
 import numpy as np
 
 from flocking.parameters import Parameter
-from generation.combined import Part, combined
+from generation.combined import combined
 from generation.environment import START, Environment
 from generation.primitives import Point, Polygon
+from generation.schema import Part
 
 CHOICE = "a choice: Fine 2015, section 6.1.3, has no numbers"
 FILTER = "passage"

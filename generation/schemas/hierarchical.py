@@ -14,13 +14,15 @@ Source: Fine 2015, section 6.1.3. A part is any schema; `generation.combined` sa
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Sequence
 from typing import Annotated, NamedTuple
 
 import numpy as np
 
 from flocking.parameters import Parameter
-from generation.combined import Part, combined, read
+from generation.combined import combined, read
 from generation.environment import Environment
+from generation.schema import Part
 
 FILTER = ""
 BEHAVIOUR = "simple-split"
@@ -39,9 +41,14 @@ def workspace() -> Environment:
     return Environment()
 
 
+def parts(parameters: Parameters) -> Sequence[Part]:
+    """Those of its file, or the default. Raises `InputError` for a file that cannot be read."""
+    return read(parameters.parts) if parameters.parts else PARTS
+
+
 def generate(parameters: Parameters, workspace: Environment, rng: np.random.Generator) -> Environment:
     """All parts beside what stands there. Raises `InputError` for a file that cannot be read, and as its schemas do."""
-    made = combined(read(parameters.parts) if parameters.parts else PARTS, rng)
+    made = combined(parts(parameters), rng)
     return dataclasses.replace(
         workspace,
         workspace=(*workspace.workspace, *made.workspace),

@@ -53,6 +53,10 @@ class Members:
     sight_m: float = math.nan
     """Range within which walls are seen; nan = as far as the shared avoidance looks, and without limit where the law
     or virtual members see them."""
+    goal_x_m: float = math.nan
+    """Of all members, for the laws that read a goal: far away it is a preferred direction; nan = none."""
+    goal_y_m: float = math.nan
+    """Likewise."""
     law_source: str = ""
     """Text of the user's own law file."""
 
@@ -76,6 +80,7 @@ class Members:
             max_speed_m_s=self.max_speed_m_s,
             max_turn_rate_rad_s=self.max_turn_rate_rad_s,
             radius_m=self.radius_m,
+            goals_w=np.tile([self.goal_x_m, self.goal_y_m], (self.count, 1)),
             sight_m=sight,
             sight_lines=True,
             obstacle_selection=self.obstacle_selection,

@@ -39,9 +39,21 @@ def test_an_environment_has_a_scale_and_a_reflectance() -> None:
     larger = known.environment_of("a.json", TEXT, {"scale": 3.0, "reflectance": 0.9})
     assert larger.workspace == (Segment(0.0, 0.0, 3.0, 6.0),)
     assert (larger.reflectance, larger.markers["start"]) == (0.9, Point(3.0, 0.0, 0.5))
-    assert known.load("a.json", TEXT).values({"scale": 2.0}) == {"scale": 2.0, "reflectance": 0.4}
+    assert known.load("a.json", TEXT).values({"scale": 2.0}) == {
+        "scale": 2.0,
+        "reflectance": 0.4,
+        "construct": True,
+    }
     with pytest.raises(InputError, match=r"world\.scale = 0: expected a number from 0\.001"):
         known.environment_of("a.json", TEXT, {"scale": 0})
+
+
+def test_an_environment_can_stand_without_its_construct() -> None:
+    text = to_json(Environment((Segment(0, 0, 1, 2),), (Segment(5, 5, 6, 6),), {"origin": Point(1.0, 1.0)}))
+    empty = known.environment_of("a.json", text, {"construct": False})
+    assert empty.construct == ()
+    assert (empty.workspace, set(empty.markers)) == ((Segment(0.0, 0.0, 1.0, 2.0),), {"origin"})
+    assert known.environment_of("a.json", text, {}).construct == (Segment(5.0, 5.0, 6.0, 6.0),)
 
 
 def test_its_text_is_read_once_from_its_file(tmp_path: Path) -> None:

@@ -106,13 +106,15 @@ def connected(address: str) -> Iterator[Cluster]:
 def check_travels(trials: Sequence[Trial]) -> None:
     """Raises `InputError` for trials that take a user's own file of which they do not hold the text."""
     for trial in trials:
+        own: dict[str, Any] = {} if trial.formation_source else {"formation": trial.formation}
+        own |= {} if trial.world_source else {"world": trial.world}
+        own |= {**trial.setup, **{f"world.{name}": value for name, value in trial.world_parameters.items()}}
         for group in trial.groups:
-            start = {} if trial.formation_source else {"formation": trial.formation}
-            for key, value in {"detection": group.pipeline, **start, **group.setup}.items():
+            for key, value in {"detection": group.pipeline, **own, **group.setup}.items():
                 if isinstance(value, str) and is_path(value):
                     raise InputError(
-                        f"{key} {value!r}: the texts of users' laws and worlds go to a cluster, other files do not; "
-                        "expected one of the project's own, or a run without --cluster"
+                        f"{key} {value!r}: the texts of users' laws, worlds and schemas go to a cluster, other files "
+                        "do not; expected one of the project's own, or a run without --cluster"
                     )
 
 

@@ -292,7 +292,7 @@ def code_of(trials: Sequence[Trial]) -> dict[str, str]:
 
 def _kept_as(path: Path) -> Path:
     """The name under which the text of a user's file is kept: that of a plan is an environment's, as JSON."""
-    return path if path.suffix.lower() in (".py", ".json", ".csv") else path.with_name(f"{path.name}.json")
+    return path if path.suffix.lower() in (".py", ".json", ".csv", ".toml") else path.with_name(f"{path.name}.json")
 
 
 def users_bodies(trials: Sequence[Trial]) -> list[str]:

@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from trials.types import Trial
 
 TABLE, NUMBERS = "map.csv", "map.json"
+LAW_LIMIT_S = 30.0
+"""Processor time that a user's law may use without progress, as in a run."""
 
 
 class Asked(NamedTuple):
@@ -53,32 +55,60 @@ def map_(asked: Asked) -> None:
 
 
 def _make(asked: Asked) -> None:
+    from generation.found import is_path
     from trials import simulations
     from trials.batch.folders import write_whole
+    from trials.environments.hands import in_order
     from trials.simulations.maps import fields, loop
     from trials.simulations.maps.measures import ABOUT, measure
 
     trial = _trial(asked)
     simulations.check(trial)
     chosen = fields.chosen_by(trial)
-    judging = loop.judging_of(trial, chosen)
+    loop.judging_of(trial, chosen)  # refused before anything is simulated
+    users = [name for name in (asked.law, asked.schema, asked.behaviour or "") if is_path(name)]
+    if users:  # their code may never return: it runs in a process that can be ended
+        try:
+            ((made, flips),) = in_order(mapped, [(trial,)], 1, law_limit_s=LAW_LIMIT_S)
+        except InputError as error:
+            raise InputError(f"{' or '.join(map(repr, users))}: {error}") from None
+    else:
+        made, flips = mapped(trial)
+    measured = {name: value for name, value in measure(made, chosen.within).items() if math.isfinite(value)}
+    asked.out.mkdir(parents=True)
+    write_whole(asked.out / TABLE, _table(made).encode())
+    numbers = {"schema": asked.schema, "seed": asked.seed, "trial": trial.as_dict(), "measures": measured}
+    write_whole(asked.out / NUMBERS, (json.dumps(numbers, indent=1, default=str) + "\n").encode())
+    _draw(made, flips, trial, asked.out)
+    for name, value in measured.items():
+        unit = f" {ABOUT[name].unit}" if ABOUT[name].unit else ""
+        print(f"{name:20} {f'{value:.4g}{unit}':12} {ABOUT[name].text}")
+    print(f"results              {asked.out}")
+
+
+def mapped(trial: Trial) -> tuple[ParameterMap, dict[str, Any]]:
+    """The map of a trial, and its two nearest environments of opposite outcomes; tells each iteration as it ends."""
+    import flocking.kinematic.kernel  # noqa: F401 (its import compiles it: here, since no watch is on yet)
+    from flocking import users_files
+    from flocking.kinematic import LawFailedError
+    from trials.simulations import watch
+    from trials.simulations.maps import fields, loop
+
     iterations: list[int] = []
 
     def told(judged: Judged) -> None:
         iterations.append(len(judged.trials))
         print(f"iteration {len(iterations)}: {len(judged.trials)} configurations", file=sys.stderr, flush=True)
 
-    made = loop.mapped(trial, chosen, judging, lambda _: None, told)
-    measured = {name: value for name, value in measure(made, chosen.within).items() if math.isfinite(value)}
-    asked.out.mkdir(parents=True)
-    write_whole(asked.out / TABLE, _table(made).encode())
-    numbers = {"schema": asked.schema, "seed": asked.seed, "trial": trial.as_dict(), "measures": measured}
-    write_whole(asked.out / NUMBERS, (json.dumps(numbers, indent=1, default=str) + "\n").encode())
-    _draw(made, loop.flipped(judging, made), trial, asked.out)
-    for name, value in measured.items():
-        unit = f" {ABOUT[name].unit}" if ABOUT[name].unit else ""
-        print(f"{name:20} {f'{value:.4g}{unit}':12} {ABOUT[name].text}")
-    print(f"results              {asked.out}")
+    with users_files.executed(True):
+        chosen = fields.chosen_by(trial)
+        judging = loop.judging_of(trial, chosen)
+        try:
+            with watch.watched():
+                made = loop.mapped(trial, chosen, judging, watch.breathe, told)
+                return made, loop.flipped(judging, made)
+        except LawFailedError as error:
+            raise InputError(" ".join(str(error).split())) from None
 
 
 def _trial(asked: Asked) -> Trial:

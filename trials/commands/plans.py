@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 MOST_TOLD = 12
 """Most lines of what was mended that are printed. A choice."""
-EXPORTS = (".svg", ".stl", ".3mf", ".xml")
+EXPORTS = (".svg", ".stl", ".3mf", ".xml", ".png")
 
 Plan = Annotated[Path, Argument(metavar="PLAN", help="An SVG or DXF drawing, or the YAML of a ROS map.")]
 EnvironmentFile = Annotated[Path, Argument(metavar="ENVIRONMENT", help="An environment's JSON file, or a plan.")]
@@ -50,11 +50,11 @@ def import_(
 
 def export(
     environment: EnvironmentFile,
-    out: Annotated[Path, Option(metavar="FILE", help="FILE.svg, FILE.stl, FILE.3mf, or FILE.xml for MuJoCo.")],
+    out: Annotated[Path, Option(metavar="FILE", help="FILE.svg, .stl, .3mf, .xml for MuJoCo, .png in 3D.")],
     height_m: Annotated[float | None, Option("--height-m", metavar="H", help="Of fences to build (STL, 3MF).")] = None,
     thickness_m: Annotated[float | None, Option("--thickness-m", metavar="T", help="Likewise.")] = None,
 ) -> None:
-    """Writes an environment for drawing programs, for a workshop, or for MuJoCo.
+    """Writes an environment for drawing programs, for a workshop, for MuJoCo, or as a picture in three dimensions.
 
     Tells the length of fence that its construct needs.
     """
@@ -76,6 +76,8 @@ def export(
         _write(out, to_svg(read).encode())
     elif kind == ".xml":
         _write(out, _mjcf(read).encode())
+    elif kind == ".png":
+        print(_pictured(read, out))
     else:
         print(_built(read, options, out))
     print(_fenced(read))
@@ -94,6 +96,22 @@ def _built(environment: Environment, options: dict[str, float], out: Path) -> st
         f"fences {parameters.height_m:g} m high and {parameters.thickness_m:g} m thick, a closed solid of "
         f"{mesh.volume:.4g} m³ in {len(mesh.faces)} triangles, mm at full size"
     )
+
+
+def _pictured(environment: Environment, out: Path) -> str:
+    """Writes a picture in three dimensions, and tells of its scale."""
+    given = os.environ.get("MUJOCO_GL")
+    os.environ["MUJOCO_GL"] = "off"  # while MuJoCo is imported: this process itself renders nothing
+    try:
+        from worlds.picture import picture, scale_of
+        from worlds.walls import HEIGHT
+    finally:
+        os.environ.pop("MUJOCO_GL")
+        os.environ |= {} if given is None else {"MUJOCO_GL": given}
+    library = (given or "").strip().lower()
+    _write(out, picture(environment, library))
+    scale = scale_of(environment)
+    return f"drawn {'as large as it is' if scale == 1.0 else f'at {scale:.3g} of its size'}, fences {HEIGHT:g} m high"
 
 
 def _mjcf(environment: Environment) -> str:

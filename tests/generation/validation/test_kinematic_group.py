@@ -139,3 +139,18 @@ def test_what_does_not_fit_is_refused() -> None:
     job = jobs(Environment(), 4, 1)
     with pytest.raises(InputError, match="expected \\(3, 3\\)"):
         list(group.trajectories(job, 5))
+
+
+def test_members_with_a_goal_go_there() -> None:
+    """A single member of Couzin's law that starts along x and prefers -y: its direction is soon -y."""
+    group = kinematic(
+        "couzin", 1, law_parameters={"speed_m_s": 2.0, "omega": 1.0, "noise_rad": 0.0}, goal_x_m=0.0, goal_y_m=-1e9
+    )
+    (positions,) = group.trajectories([Job(Environment(), np.zeros((1, 3)), (1,))], 60)
+    last = positions[-1, 0] - positions[-2, 0]
+    assert np.hypot(*last) == pytest.approx(2.0)
+    assert last[1] == pytest.approx(-2.0, abs=0.02)
+    (straight,) = kinematic("couzin", 1, law_parameters={"speed_m_s": 2.0, "noise_rad": 0.0}).trajectories(
+        [Job(Environment(), np.zeros((1, 3)), (1,))], 5
+    )
+    np.testing.assert_allclose(straight[-1, 0], (10.0, 0.0), atol=1e-9)

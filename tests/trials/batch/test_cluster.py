@@ -248,5 +248,12 @@ def test_another_processor_is_warned_of_once(capsys: pytest.CaptureFixture[str])
 def test_what_does_not_travel_is_named() -> None:
     trial = fake_trials.trial(1)
     group = dataclasses.replace(trial.groups[0], setup={"body": "mine/robot"})
-    with pytest.raises(InputError, match="body 'mine/robot': the texts of users' laws and worlds go to a cluster"):
+    with pytest.raises(InputError, match="body 'mine/robot': the texts of users' laws, worlds and schemas go to a"):
         cluster.check_travels([dataclasses.replace(trial, groups=(group,))])
+    given = {"setup": {"behaviour": "mine.py"}}, {"world": "mine.toml"}, {"world_parameters": {"parts": "parts.toml"}}
+    for values, named in zip(
+        given, ("behaviour 'mine.py'", "world 'mine.toml'", "world.parts 'parts.toml'"), strict=True
+    ):
+        with pytest.raises(InputError, match=named):
+            cluster.check_travels([dataclasses.replace(trial, **values)])
+    cluster.check_travels([trial, dataclasses.replace(trial, world="mine.toml", world_source="about = ''")])

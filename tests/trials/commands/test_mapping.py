@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from trials.commands import cli
+from trials.commands import cli, mapping
 
 QUICK = ["--grid", "2", "--refinements", "1", "--members", "2", "--set", "pairs=1", "--set", "iterations=3"]
 OWN = '''
@@ -89,3 +89,43 @@ def test_a_folder_that_is_there_is_not_written_to(
 ) -> None:
     assert herd(monkeypatch, "map", "dirt", *QUICK, "--out", str(tmp_path)) == 2
     assert "expected a new one" in capsys.readouterr().err
+
+
+LAW = '''
+"""Goes on, but never returns in a step of a second with somebody near: the check of laws has steps of 0.1 s."""
+import math
+from typing import NamedTuple
+from flocking.types import Kind, Motion
+
+NEEDS = frozenset({"positions"})
+
+
+class Parameters(NamedTuple):
+    pass
+
+
+def law(own, members, sets, obstacles, parameters, memory, u):
+    turns = 0.0
+    for j in range(len(members.positions)):
+        while abs(members.positions[j, 0]) + abs(members.positions[j, 1]) < 0.6 and abs(own.dt - 1.0) < 1e-9:
+            turns += 1e-300
+    return Motion(Kind.VELOCITY, 0.1, turns, 0)
+'''
+
+
+def test_a_law_that_hangs_ends_the_map_in_one_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "mine.py").write_text(LAW)
+    monkeypatch.setattr(mapping, "LAW_LIMIT_S", 2.0)
+    words = ["--members", "5", "--set", "pairs=2", "--set", "iterations=100"]
+    out = tmp_path / "map"
+    assert (
+        herd(monkeypatch, "map", "dirt", "--grid", "2", *words, "--law", str(tmp_path / "mine.py"), "--out", str(out))
+        == 2
+    )
+    error = capsys.readouterr().err
+    assert "mine.py" in error
+    assert "a law did not return within 2 s of processor time" in error
+    assert error.count("\n") == 1
+    assert not out.exists()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -97,3 +98,43 @@ def test_a_plan_is_a_world_as_it_stands(tmp_path: Path) -> None:
     found = files.from_json(sources.environment_text(str(tmp_path / "plan.svg")))
     assert isinstance(found.workspace[0], Polygon)
     assert found.workspace[0].free == "inside"
+
+
+def test_an_environment_is_rendered_in_three_dimensions_where_opengl_is(tmp_path: Path) -> None:
+    room = Polygon(((0.0, 0.0), (4.0, 0.0), (4.0, 3.0), (0.0, 3.0)), "inside")
+    fence = Segment(1.0, 1.0, 3.0, 2.0)
+    files.write(Environment((room,), (fence,), {"start": Point(0.5, 0.5)}), tmp_path / "room.json")
+    done = herd("export", "room.json", "--out", "room.png", cwd=tmp_path)
+    if done.returncode == 2 and "OpenGL" in done.stderr:
+        pytest.skip(done.stderr.strip())
+    assert done.returncode == 0, done.stderr
+    assert "drawn as large as it is, fences 0.5 m high" in done.stdout
+    pixels = cv2.imread(str(tmp_path / "room.png")).astype(int)
+    assert pixels.shape == (960, 1280, 3)
+    blue, green, red = np.moveaxis(pixels, 2, 0)
+    orange = (red > 100) & (red > 1.8 * green) & (green > blue)  # the construct, and nothing else
+    assert 500 < orange.sum() < pixels[..., 0].size / 4
+    grey = (abs(red - green) < 12) & (red < 200)  # walls in the room's colour, and shadows
+    assert grey.sum() > 5000
+    assert ((green > 1.5 * red) & (green > blue)).sum() > 50  # the start
+    rows, columns = np.nonzero(orange | grey)
+    assert 0 < columns.min() < 320  # all of it is in the picture, and fills it
+    assert 960 < columns.max() < 1279
+    assert 640 < rows.max() < 959
+
+
+def test_without_opengl_a_picture_is_refused_in_one_line(tmp_path: Path) -> None:
+    files.write(Environment((Segment(0.0, 0.0, 1.0, 0.0),)), tmp_path / "wall.json")
+    done = subprocess.run(
+        [sys.executable, "-m", "trials.commands.cli", "export", "wall.json", "--out", "wall.png"],
+        cwd=tmp_path, capture_output=True, text=True, timeout=300, env={**os.environ, "MUJOCO_GL": "off"},
+    )  # fmt: skip
+    assert done.returncode == 2
+    assert done.stderr.count("\n") == 1
+    assert "needs OpenGL to render off-screen" in done.stderr
+    assert "MUJOCO_GL=egl or osmesa" in done.stderr
+    assert not (tmp_path / "wall.png").exists()
+    files.write(Environment(markers={"start": Point(0.0, 0.0)}), tmp_path / "empty.json")
+    done = herd("export", "empty.json", "--out", "empty.png", cwd=tmp_path)
+    assert done.returncode == 2
+    assert "without walls" in done.stderr

@@ -9,13 +9,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, NamedTuple
 
-from flocking.errors import unknown_name
-from flocking.parameters import Parameter, filled
-from generation import behaviours, filters
+from flocking.errors import InputError, unknown_name
+from flocking.parameters import Declared, Parameter, declared, filled
+from generation import behaviours, candidates, filters
 from generation.behaviours import Behaviour
 from generation.filters import Filter
 from generation.found import is_path, load, schemas
-from generation.schema import Schema
+from generation.schema import Part, Schema
 from trials.rows import below
 from trials.types import Group, Trial, Value
 
@@ -24,6 +24,8 @@ FORMATION = "square"
 OWN = "own"
 """The behaviour or the filter that a schema is meant for."""
 NO_FILTER = "none"
+ALL = "all"
+"""Varied are all parameters that have bounds."""
 BEHAVIOUR, FILTER = "behaviour.", "filter."
 """Prefixes of the keys of their parameters."""
 
@@ -65,6 +67,11 @@ class TrialFields(NamedTuple):
     timestep_s: Annotated[
         float, Parameter("s", "of an iteration; a choice: speeds are then in metres an iteration", low=1e-6, high=1e3)
     ] = 1.0
+    varied: Annotated[
+        str,
+        Parameter("", "parameters of the schema drawn anew for each environment, joined by commas, each between its "
+                  f"bounds or in NAME=LOW..HIGH; {ALL}: all that have bounds; empty: none", plausible=()),
+    ] = ""  # fmt: skip
     examples: Annotated[
         int, Parameter("", "valid environments whose herd's way is kept, for figures and playback", low=0, high=1000,
                        plausible=())
@@ -92,6 +99,12 @@ class Chosen(NamedTuple):
     filter: Filter | None
     of_filter: Any
     iterations: int
+    varied: tuple[str, ...] = ()
+    """Parameters of the schema that are drawn anew for each environment."""
+    within: Mapping[str, tuple[float, float]] = {}
+    """Between which values, where these are not the parameter's bounds."""
+    parts: tuple[Part, ...] = ()
+    """Of a schema that combines others for behaviours in sequence: one a stage."""
 
 
 def trial(
@@ -128,7 +141,7 @@ def schema_of(trial: Trial) -> Schema:
     """The schema of a trial. Raises `InputError` with the nearest names if there is none."""
     if not is_path(trial.world) and trial.world.replace("_", "-") not in schemas():
         raise unknown_name("world", trial.world, schemas())
-    return load(trial.world)
+    return load(trial.world, trial.world_source)
 
 
 def check_formation(trial: Trial) -> None:
@@ -159,12 +172,50 @@ def formation_of(trial: Trial) -> FormationParameters:
 def chosen_by(trial: Trial) -> Chosen:
     """What a trial's names stand for. Raises `InputError` for names and numbers that do not exist or fit."""
     schema, behaviour, chosen = schema_of(trial), behaviour_of(trial), filter_of(trial)
+    of_schema = filled(schema.parameters, trial.world_parameters, prefix="world.")
+    varied, within = varied_of(trial, schema)
     return Chosen(
         schema,
-        filled(schema.parameters, trial.world_parameters, prefix="world."),
+        of_schema,
         behaviour,
         filled(behaviour.parameters, below(trial.setup, BEHAVIOUR), prefix=BEHAVIOUR),
         chosen,
         filled(chosen.parameters, below(trial.setup, FILTER), prefix=FILTER) if chosen is not None else None,
         of_trial(trial).iterations or behaviour.iterations,
+        varied,
+        within,
+        tuple(schema.parts(of_schema)) if schema.parts is not None else (),
     )
+
+
+def varied_of(trial: Trial, schema: Schema) -> tuple[tuple[str, ...], dict[str, tuple[float, float]]]:
+    """The parameters that a trial draws anew for each environment, and between which values where it says so.
+
+    Raises `InputError` for a parameter that there is not, or that cannot be drawn, and for what is no range within its
+    bounds.
+    """
+    text = of_trial(trial).varied
+    if text.strip() == ALL:
+        return tuple(candidates.bounded(schema)), {}
+    names, within = list[str](), dict[str, tuple[float, float]]()
+    for part in filter(None, map(str.strip, text.split(","))):
+        name, given, ends = part.partition("=")
+        names.append(name.strip())
+        candidates.check_varied(schema, names[-1:])
+        if given:
+            within[names[-1]] = _range(ends, part, declared(schema.parameters)[names[-1]])
+    return tuple(dict.fromkeys(names)), within
+
+
+def _range(text: str, part: str, parameter: Declared) -> tuple[float, float]:
+    low, _, high = text.partition("..")
+    about = parameter.about
+    if parameter.type not in (int, float):
+        raise InputError(f"varied {part!r}: {parameter.name} is no number; expected its name alone")
+    try:
+        found = float(low), float(high)
+    except ValueError:
+        raise InputError(f"varied {part!r}: expected NAME, or NAME=LOW..HIGH as in peg_m=2..15") from None
+    if not about.low <= found[0] <= found[1] <= about.high:
+        raise InputError(f"varied {part!r}: expected a range within {about.low:g}..{about.high:g}")
+    return found

@@ -9,6 +9,7 @@ import numpy as np
 
 from flocking.errors import InputError
 from flocking.types import Floats
+from generation import candidates
 from generation.environment import START, Environment
 from generation.group import Job
 from generation.primitives import Point
@@ -26,7 +27,11 @@ def environment(trial: Trial, number: int, chosen: fields.Chosen) -> Environment
     Raises `InputError` where the schema fails.
     """
     rng = stream(trial.seed, trial.repeat, 0, number, Purpose.WORLD)
-    return chosen.schema.generate(chosen.of_schema, chosen.schema.workspace(), rng)
+    schema, workspace = chosen.schema, chosen.schema.workspace()
+    if not chosen.varied:
+        return schema.generate(chosen.of_schema, workspace, rng)
+    seed = int(rng.integers(2**63))
+    return candidates.candidate(schema, chosen.of_schema, workspace, seed, 1, chosen.varied, chosen.within)
 
 
 def without_construct(whole: Environment) -> Environment:

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from flocking.errors import InputError
 from flocking.kinematic import LawFailedError
 from flocking.types import Bools, Floats
+from generation.combined import fitness_of
 from generation.environment import Environment
 from trials.simulations import watch
 from trials.simulations.environments import fields, herds
@@ -50,6 +51,10 @@ class _Found:
     """(W, 4) of each, m."""
     examples: list[tuple[int, Floats]]
     """Numbers of the first valid environments, with the positions (T, N, 2) of the herd in each."""
+    stages: Floats
+    """(E, S) fitness in each stage of a schema that combines others, nan where the environment did not pass."""
+    control_stages: Floats
+    """(E, S) of the workspace alone, likewise."""
     first: tuple[int, Floats] | None = None
     """The same of the first environment that passed."""
 
@@ -74,6 +79,8 @@ def run_trial(trial: Trial, scans: str = "none", reraise: bool = False, folder: 
         np.zeros(count, np.int64),
         [],
         [],
+        np.full((count, len(chosen.parts)), np.nan),
+        np.full((count, len(chosen.parts)), np.nan),
     )
     built, outcome, reason = perf_counter(), "done", ""
     try:
@@ -104,6 +111,7 @@ def _judge(trial: Trial, numbers: Sequence[int], chosen: fields.Chosen, group: M
     most = fields.of_trial(trial).examples
     for number, whole, positions in _ways(trial, passing, chosen, group):
         found.fitness[number] = chosen.behaviour.judged(positions, whole, chosen.of_behaviour)
+        found.stages[number] = fitness_of(chosen.parts, positions, whole)
         if found.first is None:
             found.first = number, positions.copy()
         if len(found.examples) < most and chosen.behaviour.succeeds(found.fitness[number]):
@@ -112,6 +120,7 @@ def _judge(trial: Trial, numbers: Sequence[int], chosen: fields.Chosen, group: M
     controls = [(number, herds.without_construct(whole)) for number, whole in passing]
     for number, empty, positions in _ways(trial, controls, chosen, group):
         found.control[number] = chosen.behaviour.judged(positions, empty, chosen.of_behaviour)
+        found.control_stages[number] = fitness_of(chosen.parts, positions, empty)
         watch.breathe(number)
 
 
@@ -161,6 +170,7 @@ def _result(trial: Trial, chosen: fields.Chosen, found: _Found, outcome: str, re
             "wall_ends": np.cumsum([0, *(len(walls) for walls in found.walls)]),
             "example_numbers": np.array([number for number, _ in found.examples], np.int64),
             "example_ways": kept.astype(np.float32),
+            **({"stages": found.stages, "control_stages": found.control_stages} if chosen.parts else {}),
         },
     )
 

@@ -32,6 +32,13 @@ ABOUT: dict[str, Measure] = {
     "terminals": Measure("", "primitives of the construct, mean of those that passed"),
 }
 """Every measure, in the order in which they are shown."""
+MOST_STAGES = 9
+"""Of a schema that combines others: later ones are judged and kept with the series, but are no measures. A choice."""
+for _stage in range(1, MOST_STAGES + 1):
+    ABOUT |= {
+        f"stage_{_stage}": Measure("", f"fitness in stage {_stage} of a schema that combines others, mean"),
+        f"control_stage_{_stage}": Measure("", f"the same of the workspaces without the constructs, stage {_stage}"),
+    }
 KEY_MEASURES = ("pass_rate", "valid_rate", "control_rate", "uplift", "tightness")
 """Those that a first look at a run needs."""
 
@@ -43,10 +50,15 @@ class Found(Protocol):
     fitness: Floats
     control: Floats
     fence_m: Floats
+    stages: Floats
+    control_stages: Floats
 
 
 def measure(found: Found, behaviour: Behaviour) -> dict[str, float]:
-    """The measures of one trial, by the names of `ABOUT`; nan where nothing passed."""
+    """The measures of one trial, by the names of `ABOUT`; nan where nothing passed.
+
+    Stages are those of a schema that combines others.
+    """
     passed = found.passed
     valid = np.array([behaviour.succeeds(value) for value in found.fitness[passed]], np.bool_)
     control = np.array([behaviour.succeeds(value) for value in found.control[passed]], np.bool_)
@@ -66,7 +78,10 @@ def measure(found: Found, behaviour: Behaviour) -> dict[str, float]:
         "fence": _mean(found.fence_m[passed]),
         "terminals": _mean(found.terminals[passed]),  # type: ignore[attr-defined]
     }
-    return {name: float(values[name]) for name in ABOUT}
+    for stage in range(min(found.stages.shape[1], MOST_STAGES)):
+        values[f"stage_{stage + 1}"] = _mean(found.stages[passed, stage])
+        values[f"control_stage_{stage + 1}"] = _mean(found.control_stages[passed, stage])
+    return {name: float(values[name]) for name in ABOUT if name in values}
 
 
 def _mean(values: Bools | Floats) -> float:

@@ -191,7 +191,7 @@ def schema_of(trial: Trial) -> Schema:
     """The schema of a trial. Raises `InputError` with the nearest names if there is none."""
     if not is_path(trial.world) and trial.world.replace("_", "-") not in schemas():
         raise unknown_name("world", trial.world, schemas())
-    return load(trial.world)
+    return load(trial.world, trial.world_source)
 
 
 def check_formation(trial: Trial) -> None:

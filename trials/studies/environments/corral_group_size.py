@@ -1,7 +1,7 @@
 """Figures 1.2 and 5.1 of Fine 2015: whether a herd is corralled by the same environments depends on its size.
 
-A trial generates 50 environments of the weiring grammar; the kinematic herd has 1 to 50 members. How single Creates and
-four of them do is tried with `maebe-robots --set behaviour=corralling --set herd.count=1`.
+A trial generates 50 environments of the weiring grammar; the kinematic herd has 1 to 50 members. One Create and four of
+them are tried by `corral-group-size-robots`.
 """
 
 from __future__ import annotations
