@@ -35,7 +35,7 @@ def base(repeat: int) -> Trial:
 
 def finish(trial: Trial) -> Trial:
     """As long as the behaviour looks at, unless the user sets another length."""
-    if trial.setup["duration_s"] != tried.ITERATIONS["corralling"] * tried.ITERATION_S:
+    if trial.setup["duration_s"] != tried.ITERATIONS["corralling"] * tried.iteration_s("corralling"):
         return trial
     return with_setup(trial, {"duration_s": tried.ITERATIONS["corralling"] * float(trial.setup[ITERATION])})
 

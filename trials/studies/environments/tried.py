@@ -107,8 +107,8 @@ def creates(trial: Trial, number: int) -> Trial:
     start: dict[str, Value] = {**START, **_heading(behaviour), **trial.formation_parameters}
     placed = _placed(trial, number, {"scale": SCALE})
     placed = dataclasses.replace(placed, formation_parameters=start, groups=_counted(trial, behaviour))
-    iteration_s = round(PRESETS[behaviour].speed_m_s * SCALE / CREATE_M_S, 6)
-    length: dict[str, Value] = {"duration_s": ITERATIONS[behaviour] * iteration_s, "behaviour.iteration_s": iteration_s}
+    each = iteration_s(behaviour)
+    length: dict[str, Value] = {"duration_s": ITERATIONS[behaviour] * each, "behaviour.iteration_s": each}
     return _relaxed(placed, behaviour, length)
 
 
@@ -123,6 +123,11 @@ def members(trial: Trial, number: int) -> Trial:
     placed = dataclasses.replace(placed, formation_parameters=start, groups=_counted(trial, behaviour))
     placed = design.finish(design.with_bodies(placed, preset))
     return _relaxed(placed, behaviour, {"steps": ITERATIONS[behaviour], "timestep_s": 1.0})
+
+
+def iteration_s(behaviour: str) -> float:
+    """Time in which a Create goes as far as a kinematic member in one iteration, s."""
+    return round(PRESETS[behaviour].speed_m_s * SCALE / CREATE_M_S, 6)
 
 
 def _heading(behaviour: str) -> dict[str, Value]:
