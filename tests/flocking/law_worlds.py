@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from functools import cache
+from types import FunctionType, ModuleType, SimpleNamespace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -126,8 +127,28 @@ def inputs(law: Law, scene: Scene, world: World | None = None, known: frozenset[
 
     `known`: what it is told; by default what the law says that it needs. What it is not told is nan, −1 or nothing.
     """
-    world = scene.world if world is None else world
     known = law.needs if known is None else known
+    if world is not None and world is not scene.world:
+        return _told(law, scene, world, known)
+    key = law.name, id(scene), known
+    if key not in _of_scenes:
+        _of_scenes[key] = scene, _told(law, scene, scene.world, known)
+    own, members, sets, obstacles, parameters, u = _of_scenes[key][1]
+    return Inputs(
+        own._replace(velocity=own.velocity.copy(), goal=own.goal.copy(), contacts=own.contacts.copy()),
+        Members._make(column.copy() for column in members),
+        sets.copy(),
+        Obstacles(obstacles.points.copy()),
+        parameters,
+        u.copy(),
+    )
+
+
+_of_scenes: dict[tuple[str, int, frozenset[str]], tuple[Scene, Inputs]] = {}
+"""What is known in a scene's own world, which test after test asks for; with the scene, whose identity is the key."""
+
+
+def _told(law: Law, scene: Scene, world: World, known: frozenset[str]) -> Inputs:
     heading = float(world.headings[0])
     others = np.arange(1, len(world.positions))
     positions = _in_body(world.positions[others] - world.positions[0], heading)
@@ -139,7 +160,7 @@ def inputs(law: Law, scene: Scene, world: World | None = None, known: frozenset[
         world.ids[others],
     )
     linked = np.ascontiguousarray(world.graph[0, 1:])
-    steps = selection.parse_sets("all", law.sets, law.parameter_names)
+    steps = _steps(law.name)
     values = scene.parameters._asdict()
     sets = [selection.select(selection.resolved(each, values), all_known, linked) for each in steps]
     told = {name: value for name, value in zip(Members._fields, all_known, strict=True) if name in known}
@@ -171,6 +192,12 @@ def inputs(law: Law, scene: Scene, world: World | None = None, known: frozenset[
     )
 
 
+@cache
+def _steps(name: str) -> tuple[tuple[selection.Chosen, ...], ...]:
+    law = load(name)
+    return tuple(map(tuple, selection.parse_sets("all", law.sets, law.parameter_names)))
+
+
 def _in_body(vectors: Floats, heading: float) -> Floats:
     """World vectors (M, 2) in the axes of a body that points to `heading`."""
     c, s = math.cos(heading), math.sin(heading)
@@ -179,10 +206,32 @@ def _in_body(vectors: Floats, heading: float) -> Floats:
 
 def ask(law: Law, given: Inputs, memory: Floats | None = None, plain: bool = False) -> Motion:
     """The law's decision; `memory` is written to, zeros if None."""
-    call = law.function if plain else law.decide
+    call = uncompiled(law.function) if plain else law.decide
     memory = np.zeros(law.memory) if memory is None else memory
     kind, x, y, rule = call(*given[:5], memory, given.u)
     return Motion(int(kind), float(x), float(y), int(rule))
+
+
+_uncompiled: dict[FunctionType, FunctionType] = {}
+
+
+def uncompiled(function: Any) -> FunctionType:
+    """The function as it is written, and so all of ours that it calls: nothing of it is compiled."""
+    written: FunctionType = getattr(function, "py_func", function)
+    if written not in _uncompiled:
+        known = dict(written.__globals__)
+        _uncompiled[written] = FunctionType(written.__code__, known, written.__name__, written.__defaults__)
+        for name in written.__code__.co_names:
+            if name in known:
+                known[name] = _as_written(known[name])
+    return _uncompiled[written]
+
+
+def _as_written(value: Any) -> Any:
+    """A function of ours, or all those of a module of ours, uncompiled; anything else as it is."""
+    if isinstance(value, ModuleType) and value.__name__.startswith("flocking."):
+        return SimpleNamespace(**{name: _as_written(part) for name, part in vars(value).items()})
+    return uncompiled(value) if hasattr(value, "py_func") else value
 
 
 class Moved(NamedTuple):

@@ -19,6 +19,11 @@ FORMAT = 3
 """Of run.json and of the tables (`PRAGMA user_version`)."""
 
 
+TEXTS = "texts"
+"""Of run.json: the texts of users' files by their digests."""
+_SOURCES = ("law_source", "world_source", "formation_source")
+
+
 def text_digest(text: str) -> str:
     """A short text that is the same for equal texts alone."""
     return hashlib.blake2b(text.encode(), digest_size=12).hexdigest()
@@ -42,6 +47,7 @@ def read(folder: Path) -> dict[str, Any]:
         version = run["format"]
         if version != FORMAT:
             raise InputError(_of_another_version(path, run, version))
+        run = _with_texts(run)
         _check_text({name: value for name, value in run.items() if name != "trials"})
         for name, kind in _OF_RUN.items():
             if not isinstance(run.get(name), (kind, type(None))):
@@ -148,6 +154,34 @@ def _of_another_version(path: Path, run: Mapping[str, Any], version: object) -> 
     )
 
 
+def _without_texts(trial: Mapping[str, Any], texts: dict[str, str]) -> dict[str, Any]:
+    """A trial with the digests of its texts in their place; adds these to `texts`."""
+    short = dict(trial)
+    if "groups" in trial:
+        short["groups"] = [_without_texts(group, texts) for group in trial["groups"]]
+    for name in _SOURCES:
+        if trial.get(name):
+            own = text_digest(trial[name])
+            texts[own] = trial[name]
+            short[name] = {"text": own}
+    return short
+
+
+def _with_texts(run: Mapping[str, Any]) -> dict[str, Any]:
+    """The run with the texts of its trials in their places; one of an earlier version has them there already.
+
+    Raises `KeyError` for a digest without its text.
+    """
+    texts = run.get(TEXTS) or {}
+
+    def filled(kept: Mapping[str, Any]) -> dict[str, Any]:
+        own = {name: texts[kept[name]["text"]] for name in _SOURCES if isinstance(kept.get(name), Mapping)}
+        groups = {"groups": [filled(group) for group in kept["groups"]]} if "groups" in kept else {}
+        return {**kept, **own, **groups}
+
+    return {**{name: value for name, value in run.items() if name != TEXTS}, "trials": list(map(filled, run["trials"]))}
+
+
 def own_experiment(run: Mapping[str, Any]) -> str | None:
     """The path of a user's own experiment, as the run's command had it; None for one of the project."""
     try:
@@ -158,7 +192,13 @@ def own_experiment(run: Mapping[str, Any]) -> str | None:
 
 
 def text_of(run: Mapping[str, Any]) -> str:
-    """The text of run.json: indented, with each trial on one line."""
-    head = json.dumps({name: value for name, value in run.items() if name != "trials"}, indent=2, ensure_ascii=False)
-    trials = ",\n".join(f"    {json.dumps(trial, ensure_ascii=False)}" for trial in run["trials"])
+    """The text of run.json: indented, with each trial on one line, and each text of users' files once.
+
+    Trials have `{"text": DIGEST}` in a text's place, and `texts` has it by that digest.
+    """
+    texts: dict[str, str] = {}
+    short = [_without_texts(trial, texts) for trial in run["trials"]]
+    kept = {name: value for name, value in run.items() if name != "trials"} | ({TEXTS: texts} if texts else {})
+    head = json.dumps(kept, indent=2, ensure_ascii=False)
+    trials = ",\n".join(f"    {json.dumps(trial, ensure_ascii=False)}" for trial in short)
     return f'{head[:-2]},\n  "trials": [\n{trials}\n  ]\n}}\n'

@@ -48,7 +48,7 @@ def factor():
 """
 OUTER = """
 from flocking.compilation import compiled
-from helper_of_a_user import factor
+from {helper} import factor
 
 
 @compiled
@@ -75,22 +75,23 @@ from flocking import lawentry
 from flocking.kinematic import Band, Schedule, simulate
 
 start = np.array([[0.0, 0.0, 0.0], [0.0, 5.0, 0.0]])
-band = Band(lawentry.load(sys.argv[1]), 2)
-history = simulate(band, start, Schedule(1.0, 1), rng=np.random.default_rng(0))
-print(float(history.positions_w[-1, 0, 0]))
+for law in sys.argv[1:]:
+    band = Band(lawentry.load(law), 2)
+    history = simulate(band, start, Schedule(1.0, 1), rng=np.random.default_rng(0))
+    print(float(history.positions_w[-1, 0, 0]))
 """
 
 
-def moved(law: Path) -> float:
-    """How far the first member comes in one step; compiled code is kept from call to call."""
+def moved(*laws: Path) -> list[float]:
+    """How far the first member of each law's herd comes in one step, in a new process; compiled code is kept."""
     done = subprocess.run(
-        [sys.executable, "-c", CALL, str(law)],
-        env={**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT), str(law.parent)])},
+        [sys.executable, "-c", CALL, *map(str, laws)],
+        env={**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT), str(laws[0].parent)])},
         capture_output=True,
         text=True,
         check=True,
     )
-    return float(done.stdout)
+    return [float(line) for line in done.stdout.split()]
 
 
 def decided(packages: Path, cache: Path) -> float:
@@ -122,51 +123,44 @@ def test_a_users_law_after_each_edit(tmp_path: Path) -> None:
     ]
     for source, expected in edits:
         file.write_text(source)
-        assert moved(file) == expected
+        assert moved(file) == [expected]
 
 
-@pytest.mark.parametrize(
-    "uses",
-    [
-        ("from helper_of_a_user import factor", "factor()"),
-        ("import helper_of_a_user as helper", "helper.factor()"),
-    ],
-)
-def test_a_users_law_after_edits_of_the_users_helper(tmp_path: Path, uses: tuple[str, str]) -> None:
-    file, helper = tmp_path / "mine.py", tmp_path / "helper_of_a_user.py"
-    file.write_text(text(imported=uses[0], factor=uses[1]))
+USES = {
+    "a helper": ("from helper_0 import factor", "factor()"),
+    "a helper's module": ("import helper_1 as helper", "helper.factor()"),
+    "a helper of a helper, in the law": (OUTER.format(helper="helper_2"), "twice()"),
+    "a helper of a helper": ("from outer_3 import twice", "twice()"),
+    "a number": ("from numbers_4 import FACTOR", "FACTOR"),
+    "a module of numbers": ("import numbers_5", "numbers_5.FACTOR"),
+    "numbers in a file": ("import numpy as np\nFACTOR = np.loadtxt({folder!r} + '/6.txt', ndmin=1)", "FACTOR[0]"),
+    "text in a file": ("FACTOR = float(open({folder!r} + '/7.txt').read())", "FACTOR"),
+}
+"""What users' laws take a number from that other files hold: how it is imported, and used."""
+
+
+@pytest.fixture(scope="module")
+def after_edits(tmp_path_factory: pytest.TempPathFactory) -> dict[float, dict[str, float]]:
+    """By the number in the other files, of which each law has its own, how far each law's member moves."""
+    folder = tmp_path_factory.mktemp("laws")
+    laws = [folder / f"law_{k}.py" for k in range(len(USES))]
+    for law, (imported, factor) in zip(laws, USES.values(), strict=True):
+        law.write_text(text(imported=imported.format(folder=str(folder)), factor=factor))
+    (folder / "outer_3.py").write_text(OUTER.format(helper="helper_3"))
+    found = {}
     for value in (1.0, 7.0):
-        helper.write_text(HELPER.format(value=value))
-        assert moved(file) == 2.0 * value
+        for k in range(len(USES)):
+            (folder / f"helper_{k}.py").write_text(HELPER.format(value=value))
+            (folder / f"numbers_{k}.py").write_text(f"FACTOR = {value}\n")
+            (folder / f"{k}.txt").write_text(f"{value}\n")
+        found[value] = dict(zip(USES, moved(*laws), strict=True))
+    return found
 
 
-@pytest.mark.parametrize(
-    "uses",
-    [
-        ("from constants_of_a_user import FACTOR", "FACTOR"),
-        ("import constants_of_a_user", "constants_of_a_user.FACTOR"),
-        ("import numpy as np\nFACTOR = np.loadtxt({data!r}, ndmin=1)", "FACTOR[0]"),
-        ("FACTOR = float(open({data!r}).read())", "FACTOR"),
-    ],
-)
-def test_a_users_law_after_edits_of_a_number_in_another_file(tmp_path: Path, uses: tuple[str, str]) -> None:
-    file, constants, data = tmp_path / "mine.py", tmp_path / "constants_of_a_user.py", tmp_path / "factor.txt"
-    file.write_text(text(imported=uses[0].format(data=str(data)), factor=uses[1]))
-    for value in (1.0, 7.0):
-        constants.write_text(f"FACTOR = {value}\n")
-        data.write_text(f"{value}\n")
-        assert moved(file) == 2.0 * value
-
-
-@pytest.mark.parametrize("outer_in_the_law", [True, False])
-def test_a_users_law_after_edits_of_a_helper_of_a_helper(tmp_path: Path, outer_in_the_law: bool) -> None:
-    file, outer, inner = tmp_path / "mine.py", tmp_path / "outer_helper.py", tmp_path / "helper_of_a_user.py"
-    outer.write_text(OUTER)
-    imported = OUTER if outer_in_the_law else "from outer_helper import twice"
-    file.write_text(text(imported=imported, factor="twice()"))
-    for value in (1.0, 7.0):
-        inner.write_text(HELPER.format(value=value))
-        assert moved(file) == 4.0 * value
+@pytest.mark.parametrize("use", USES)
+def test_a_users_law_after_edits_of_what_it_uses(after_edits: dict[float, dict[str, float]], use: str) -> None:
+    times = 4.0 if "of a helper" in use else 2.0
+    assert {value: moves[use] for value, moves in after_edits.items()} == {1.0: times, 7.0: 7.0 * times}
 
 
 def test_a_law_of_the_project_after_an_edit_of_its_helper(tmp_path: Path) -> None:

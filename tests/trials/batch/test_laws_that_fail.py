@@ -46,12 +46,16 @@ def law(own, members, sets, obstacles, parameters, memory, u):
 HANGS, IS_LOST, STAYS_WELL = "while memory[0] >= 3.0:\n            memory[0] += 1.0", "speed = math.nan", "pass"
 
 
-def law_file(folder: Path, name: str, who: int, does: str) -> tuple[str, str]:
-    """The path and the text of a law with which member `who` does `does` at its third decision; `herd` accepts it."""
-    path = folder / f"{name}.py"
-    path.write_text(LAW.format(who=who, does=does))
-    lawcheck.check(str(path))
-    return str(path), path.read_text()
+@pytest.fixture(scope="module")
+def laws(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[str, str]]:
+    """Path and text of laws with which the sixth member goes wrong at its third decision; `herd` accepts them."""
+    folder, found = tmp_path_factory.mktemp("laws"), {}
+    for name, does in (("hangs", HANGS), ("lost", IS_LOST)):
+        path = folder / f"{name}.py"
+        path.write_text(LAW.format(who=5, does=does))
+        lawcheck.check(str(path))
+        found[name] = str(path), path.read_text()
+    return found
 
 
 class Silent:
@@ -81,10 +85,10 @@ def numbered(trials: Sequence[Trial]) -> list[Trial]:
 
 
 @pytest.mark.parametrize("synchronous", [True, False])
-def test_of_a_kinematic_batch(tmp_path: Path, synchronous: bool) -> None:
+def test_of_a_kinematic_batch(tmp_path: Path, laws: dict[str, tuple[str, str]], synchronous: bool) -> None:
     """The failing law in the only group, then in the second of two groups, then a trial without it."""
-    hangs, lost = law_file(tmp_path, "hangs", 5, HANGS), law_file(tmp_path, "lost", 5, IS_LOST)
-    laws = [[hangs], [("vicsek", ""), hangs], [("vicsek", ""), lost], [lost], [("vicsek", "")]]
+    hangs, lost = laws["hangs"], laws["lost"]
+    cases = [[hangs], [("vicsek", ""), hangs], [("vicsek", ""), lost], [lost], [("vicsek", "")]]
     trials = [
         kinematic(
             "test",
@@ -97,7 +101,7 @@ def test_of_a_kinematic_batch(tmp_path: Path, synchronous: bool) -> None:
             world="unbounded",
             synchronous=synchronous,
         )
-        for named in laws
+        for named in cases
     ]
     rows = batch(tmp_path / "run", numbered(trials))
     hung = f"law {hangs[0]!r} did not return within 2 s of processor time for"
@@ -119,10 +123,10 @@ def robots(law: tuple[str, str] | None = None) -> Trial:
     return dataclasses.replace(base, setup={"duration_s": 0.5}, groups=(changed,))
 
 
-def test_of_a_batch_of_robots(tmp_path: Path) -> None:
-    hangs, lost = law_file(tmp_path, "hangs", 1, HANGS), law_file(tmp_path, "lost", 1, IS_LOST)
+def test_of_a_batch_of_robots(tmp_path: Path, laws: dict[str, tuple[str, str]]) -> None:
+    hangs, lost = laws["hangs"], laws["lost"]
     trials = [robots(hangs), robots(lost), robots()]
-    names = [f"{trial.groups[0].name}-2" for trial in trials]
+    names = [f"{trial.groups[0].name}-6" for trial in trials]
     rows = batch(tmp_path / "run", numbered(trials))
     assert rows[0].reason == f"law {hangs[0]!r} did not return within 2 s of processor time for {names[0]} at 0.20 s"
     assert rows[1].reason.startswith(f"law {lost[0]!r} returned kind {int(Kind.VELOCITY)}, x nan")

@@ -460,3 +460,38 @@ def test_only_one_process_may_run_the_trials_of_a_folder(tmp_path: Path) -> None
     with folders.alone(tmp_path / "run"):
         assert not half.exists()
     assert users.exists()
+
+
+def test_each_text_of_a_users_file_is_kept_once_and_trials_stay_themselves(tmp_path: Path) -> None:
+    world, law = "a world\n" * 1000, "a law\n" * 500
+    trials = [
+        dataclasses.replace(
+            trial,
+            world="plan.json",
+            world_source=world if trial.index < 3 else "another",
+            groups=tuple(dataclasses.replace(group, law_source=law) for group in trial.groups),
+        )
+        for trial in TRIALS
+    ]
+    run = {"format": runfile.FORMAT, "experiment": "fake", "trials": [trial.as_dict() for trial in trials]}
+    text = runfile.text_of(run)
+    assert text.count(json.dumps(world)[1:-1]) == text.count(json.dumps(law)[1:-1]) == 1
+    short = json.loads(text)
+    assert set(short["texts"].values()) == {world, law, "another"}
+    assert [run["trials"][0]["world_source"], short["trials"][0]["world_source"]] == [
+        world,
+        {"text": runfile.text_digest(world)},
+    ]
+    (tmp_path / "run").mkdir()
+    path = tmp_path / "run" / "run.json"
+    laws = {runfile.text_digest(law): {}}
+    for kept in (text, json.dumps(run)):  # as it is written, and as earlier versions wrote it
+        path.write_text(json.dumps(json.loads(kept) | {"laws": laws}))
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(runfile, "_learn", lambda run: None)
+            again = runfile.read(tmp_path / "run")
+        assert [Trial.from_dict(trial) for trial in again["trials"]] == trials
+        assert [runfile.digest(Trial.from_dict(trial)) for trial in again["trials"]] == [*map(runfile.digest, trials)]
+        assert "texts" not in again
+    path.write_text(json.dumps({**short, "texts": {}}))
+    refused(tmp_path / "run", "run.json is damaged")

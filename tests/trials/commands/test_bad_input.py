@@ -2,66 +2,16 @@
 
 from __future__ import annotations
 
-import json
-import sqlite3
-import sys
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
 
 from flocking.errors import InputError
-from trials.batch import folders, runfile, store
 from trials.batch.running import ranges
-from trials.commands import cli, options
-
-sys.path.insert(0, str(Path(__file__).parents[1]))
-import fake_trials
+from trials.commands import options
 
 RUN = ["run", "detection-case-study"]
-LAW_HEAD = """
-import math
-from typing import NamedTuple
-from flocking.types import Kind, Motion
-NEEDS = frozenset({"positions"})
-RULES = ("law",)
-class Parameters(NamedTuple):
-    pass
-def law(own, members, sets, obstacles, parameters, memory, u):
-"""
-
-
-@pytest.fixture
-def refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]):
-    """Runs the command in an empty folder and returns the one line that it prints."""
-    monkeypatch.chdir(tmp_path)
-
-    def command(*words: str) -> str:
-        before = {path: path.stat().st_mtime_ns for path in tmp_path.rglob("*")}
-        monkeypatch.setattr(sys, "argv", ["herd", *words])
-        assert cli.main() == 2
-        said = capsys.readouterr()
-        assert said.out == ""
-        assert said.err.startswith("herd: ")
-        assert said.err.count("\n") == 1
-        assert {path: path.stat().st_mtime_ns for path in tmp_path.rglob("*")} == before
-        return said.err
-
-    return command
-
-
-def make_run(folder: Path) -> None:
-    trials = [fake_trials.trial(k) for k in (1, 2)]
-    run = {
-        "format": runfile.FORMAT,
-        "experiment": "detection-case-study",
-        "record": "none",
-        "scans": "some",
-        "trials": [trial.as_dict() for trial in trials],
-    }
-    kept = store.create(folder, run, {})
-    kept.add(store.Row(1, "done", "", 1, 1, {}, {}), {})
-    kept.close()
 
 
 @pytest.mark.parametrize(
@@ -235,102 +185,10 @@ def make_run(folder: Path) -> None:
         (["bench", "--compare", "nowhere.json"], ["nowhere.json"]),
     ],
 )
-def test_bad_words(refused, words: list[str], expected: list[str]) -> None:
+def test_bad_words(refused: Callable[..., str], words: list[str], expected: list[str]) -> None:
     line = refused(*words)
     for part in expected:
         assert part in line
-
-
-@pytest.mark.parametrize(
-    ("text", "expected"),
-    [
-        ("def law(:\n", "line 1"),
-        ("x = 1\n", "law"),
-        (LAW_HEAD + "    return 1.0, 2.0\n", "Motion"),
-        (LAW_HEAD + "    return Motion(Kind.VELOCITY, math.nan, 0.0, 0)\n", "nan, y 0 for member 1 with"),
-        (LAW_HEAD + "    return Motion(Kind.VELOCITY, 0.0, math.inf, 0)\n", "inf for member 1 with"),
-        (LAW_HEAD + "    return Motion(Kind.STOP, 0.0, 0.0, 3)\n", "rule 3 for member 1 with"),
-        (LAW_HEAD + "    return Motion(Kind.VELOCITY, own.velocity, 0.0, 0)\n", "expected four numbers"),
-        (LAW_HEAD + "    return Motion(Kind.HEADING, own.compass, 0.2, 0)\n", "nan"),
-        (
-            LAW_HEAD
-            + "    x = members.headings[0] if len(members.ids) else 0.0\n    return Motion(Kind.HEADING, x, 0.2, 0)\n",
-            "nan, y 0.2 for member 1 with one neighbour",
-        ),
-        (LAW_HEAD.replace("(own, members, ", "(own, ") + "    return Motion(Kind.STOP, 0.0, 0.0, 0)\n", "member 1"),
-        (LAW_HEAD + "    return Motion(Kind.STOP, 0.0, 0.0, 0)\nSETS = {'near': 'nearst'}\n", "SETS"),
-        (LAW_HEAD + "    return Motion(Kind.STOP, 0.0, 0.0, 0)\nMEMORY = -1\n", "MEMORY = -1: expected a whole number"),
-        (LAW_HEAD + "    return Motion(Kind.STOP, 0.0, 0.0, 0)\nDRAWS = 'x'\n", "DRAWS = 'x': expected a whole number"),
-        (
-            LAW_HEAD + "    return Motion(Kind.STOP, 0.0, 0.0, 0)\nSETS = {'near': 'distance-based(0, rnge_m)'}\n",
-            "rnge_m",
-        ),
-        (LAW_HEAD + "    return Motion(Kind.STOP, 0.0, 0.0, 0)\nSETS = {'near': 'k-nearest(-1)'}\n", "at least 1"),
-        (LAW_HEAD + "    return Motion(Kind.STOP, 0.0, 0.0, 0)\nNEEDS = {'smells'}\n", "smells"),
-        (
-            LAW_HEAD + "    return Motion(Kind.STOP, 0.0, 0.0, 0)\nRELATIONS = ('a < b',)\n",
-            "relation 'a < b': expected NAME",
-        ),
-        (LAW_HEAD + "    return Motion(Kind.STOP, 0.0, 0.0, 0)\nRELATIONS = 'a < b'\n", "expected a tuple of words"),
-        (LAW_HEAD + "    return Motion(Kind.STOP, 0.0, 0.0, 0)\nCREATE = {'range_m': 1.0}\n", "range_m"),
-        (
-            (LAW_HEAD + "    return Motion(Kind.STOP, 0.0, 0.0, 0)\n")
-            .replace(
-                "    pass\n",
-                "    range_m: Annotated[float, Parameter('m', 'mine', low=0.0)] = -1.0\n",
-            )
-            .replace(
-                "import math\n",
-                "import math\nfrom typing import Annotated\nfrom flocking.parameters import Parameter\n",
-            ),
-            "law.range_m = -1.0: expected a finite number of at least 0",
-        ),
-        (LAW_HEAD + "    return Motion(Kind.STOP, 0.0, 0.0, 0)\nHERD = 3\n", "HERD = 3: expected Herd(...)"),
-        ("import os\nos._exit(0)\n", "ended its process with code 0 (importing)"),
-        ("import sys\nsys.exit(0)\n", "ended its process with code 0 (importing)"),
-        (
-            LAW_HEAD.replace("import math\n", "import math\nimport os\n") + "    os._exit(0)\n",
-            "ended its process with code 0 (member 1 with no neighbour)",
-        ),
-        (
-            LAW_HEAD
-            + "    x = members.positions[len(members.positions), 0]\n    return Motion(Kind.VELOCITY, x, 0.0, 0)\n",
-            "",
-        ),
-    ],
-)
-def test_a_users_law_that_cannot_be_used(refused, tmp_path: Path, text: str, expected: str) -> None:
-    (tmp_path / "mine.py").write_text(text)
-    line = refused(*RUN, "--law", "mine.py", "--out", "out")
-    assert "mine.py" in line
-    assert expected in line
-    assert not (tmp_path / "out").exists()
-
-
-def test_a_users_law_named_by_a_setting_is_tried_out_as_well(refused, tmp_path: Path) -> None:
-    (tmp_path / "mine.py").write_text("def law(:\n")
-    assert "mine.py" in refused(*RUN, "--set", 'herd.law="mine.py"', "--out", "out")
-    assert "mine.py" in refused(*RUN, "--sweep", "herd.law=snn,mine.py", "--out", "out")
-
-
-def test_a_law_that_never_returns_is_stopped(
-    refused,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    from trials.commands import lawcheck
-
-    monkeypatch.setattr(lawcheck, "CALL_LIMIT_S", 1.0)
-    (tmp_path / "mine.py").write_text(LAW_HEAD + "    while True:\n        pass\n")
-    line = refused(*RUN, "--law", "mine.py", "--out", "out")
-    assert "did not return" in line
-
-
-def test_a_folder_that_holds_another_run_stays_as_it_is(refused, tmp_path: Path) -> None:
-    make_run(tmp_path / "out")
-    line = refused(*RUN, "--repeats", "1", "--out", "out")
-    assert "out holds a run" in line
-    assert "herd resume out" in line
 
 
 @pytest.mark.parametrize(
@@ -348,110 +206,17 @@ def test_a_folder_that_holds_another_run_stays_as_it_is(refused, tmp_path: Path)
         ),
     ],
 )
-def test_what_cannot_be_decided_is_refused(refused, words: list[str], expected: str, tmp_path: Path) -> None:
+def test_what_cannot_be_decided_is_refused(
+    refused: Callable[..., str], words: list[str], expected: str, tmp_path: Path
+) -> None:
     assert expected in refused("run", *words)
     assert not list(tmp_path.glob("runs/*/*"))
 
 
-def test_a_world_is_not_written_over_a_file(refused, tmp_path: Path) -> None:
+def test_a_world_is_not_written_over_a_file(refused: Callable[..., str], tmp_path: Path) -> None:
     (tmp_path / "world.xml").write_text("mine")
     assert "there is such a file" in refused("world", "detection-case-study", "--out", "world.xml")
     assert (tmp_path / "world.xml").read_text() == "mine"
-
-
-def test_a_locked_results_file_is_not_called_damaged(refused, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    make_run(tmp_path / "run")
-    connect = sqlite3.connect
-    monkeypatch.setattr(sqlite3, "connect", lambda *given, **how: connect(*given, **{**how, "timeout": 0.0}))
-    lock = connect(tmp_path / "run" / "results.sqlite", isolation_level=None)
-    lock.execute("BEGIN EXCLUSIVE")
-    line = refused("report", "run")
-    lock.close()
-    assert "another process has locked it" in line
-    assert "damaged" not in line
-
-
-@pytest.mark.parametrize(
-    ("change", "words"),
-    [
-        ({"seed": "1"}, "seed = '1'"),
-        ({"groups": 3}, "not iterable"),
-        ({"conditions": [1]}, "conditions = "),
-        ({"setup": {"duration_s": [1.0]}}, "duration_s = "),
-        ({"world": "\x1b[31mred"}, "control characters"),
-    ],
-)
-def test_a_run_file_with_other_types_is_damaged(refused, tmp_path: Path, change: dict[str, Any], words: str) -> None:
-    make_run(tmp_path / "run")
-    path = tmp_path / "run" / "run.json"
-    run = json.loads(path.read_text())
-    run["trials"][0] |= change
-    path.write_text(json.dumps(run))
-    for command in ("report", "resume"):
-        line = refused(command, "run")
-        assert "run.json is damaged" in line
-        assert words in line
-        assert "\x1b" not in line
-
-
-@pytest.mark.parametrize("change", [{"notes": 1}, {"notes": [1]}, {"conditions": [1]}, {"only": 5}, {"body": {}}])
-def test_a_head_of_a_run_file_with_other_types_is_damaged(refused, tmp_path: Path, change: dict[str, Any]) -> None:
-    make_run(tmp_path / "run")
-    path = tmp_path / "run" / "run.json"
-    path.write_text(json.dumps(json.loads(path.read_text()) | change))
-    for command in ("report", "resume"):
-        assert "run.json is damaged" in refused(command, "run")
-
-
-def test_a_users_file_that_is_not_what_the_trials_hold_is_not_run(refused, tmp_path: Path) -> None:
-    """What resume says that it runs is what it runs."""
-    make_run(tmp_path / "run")
-    path = tmp_path / "run" / "run.json"
-    run = json.loads(path.read_text())
-    run["trials"][0] |= {"world": "my_world.py", "world_source": "evil = 1"}
-    path.write_text(json.dumps(run))
-    (tmp_path / "run" / "code").mkdir()
-    (tmp_path / "run" / "code" / "my_world.py").write_text("harmless = 1")
-    assert "my_world.py is not the file" in refused("resume", "run")
-
-
-def test_a_folder_that_cannot_be_made(refused, tmp_path: Path) -> None:
-    (tmp_path / "file").write_text("mine")
-    assert "is a file" in refused(*RUN, "--out", "file")
-    assert "file/out: Not a directory" in refused(*RUN, "--out", "file/out")
-    (tmp_path / "runs").write_text("mine")
-    assert "cannot write runs" in refused(*RUN)
-
-
-def test_damaged_and_newer_results(refused, tmp_path: Path) -> None:
-    for name in ("damaged", "newer", "empty", "json"):
-        make_run(tmp_path / name)
-    (tmp_path / "damaged" / "results.sqlite").write_bytes(b"nonsense" * 1000)
-    (tmp_path / "empty" / "results.sqlite").write_bytes(b"")
-    (tmp_path / "json" / "run.json").write_text("{")
-    with sqlite3.connect(tmp_path / "newer" / "results.sqlite") as connection:
-        connection.execute("PRAGMA user_version = 99")
-    connection.close()
-    for command in ("resume", "report"):
-        assert "run.json is damaged" in refused(command, "json")
-        assert "damaged" in refused(command, "damaged")
-        assert "not the results of a run" in refused(command, "empty")
-        assert "format 99" in refused(command, "newer")
-
-
-def test_a_trial_that_was_not_recorded_cannot_be_played(refused, tmp_path: Path) -> None:
-    make_run(tmp_path / "run")
-    assert "no trial of run was recorded" in refused("play", "run")
-    assert "no trial of run was recorded" in refused("play", "run", "--trial", "1")
-    (tmp_path / "run" / "recordings" / "0002.rrd").write_bytes(b"")
-    (tmp_path / "run" / "recordings" / "².rrd").write_bytes(b"")  # a digit to Python, and no trial's
-    assert "trial 9" in refused("play", "run", "--trial", "9")
-
-
-def test_a_run_that_another_process_is_at_is_left_alone(refused, tmp_path: Path) -> None:
-    make_run(tmp_path / "run")
-    with folders.alone(tmp_path / "run"):
-        assert "another process" in refused("resume", "run")
 
 
 @pytest.mark.parametrize(

@@ -77,7 +77,7 @@ def herding(schema: str) -> Herding:
         "weiring": units,
         "hierarchical": units,
         "galton": units._replace(
-            size_m=20.0, spread_deg=20.0, setup={"varied": "rows=1..6, peg_m=2..15, gap_m=5..60", "environments": 20}
+            size_m=20.0, spread_deg=20.0, setup={"varied": "rows=1..3, peg_m=2..15, gap_m=5..60", "environments": 10}
         ),
         "dsdr": junction._replace(groups=(of_junction(10),), size_m=10.0, setup={"varied": ALL}),
         "points": junction._replace(setup={"varied": "probability_x, probability_y, probability_diagonal"}),

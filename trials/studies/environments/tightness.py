@@ -1,6 +1,6 @@
 """Tightness of every schema (Fine 2015, section 7.4): the share of its constructs that elicit its behaviour.
 
-A trial generates 100 environments of a schema (20 of cattle and of Galton boards, whose simulations take long), drawing
+A trial generates 100 environments of a schema (20 of cattle and 10 Galton boards, whose simulations take long), drawing
 its parameters anew for each, and puts a herd into each that passes the schema's filter and into its workspace alone,
 from the same start. The share of all that are generated is the tightness; what the constructs add is the uplift.
 """
