@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from trials.studies.environments import tried
-from trials.studies.environments.tried import CONDITIONS
+from trials.studies.environments.tried import TABLE_CONDITIONS as CONDITIONS
 from trials.studies.environments.tried_claims import of_table
 from trials.studies.environments.tried_figures import figures
 from trials.types import Trial

@@ -54,6 +54,10 @@ ROOM_UNITS = 24.0
 """Radius about the start in which no wall stands: a Create's farthest place at the start, and its radius."""
 KEYS = (BEHAVIOUR, LAW)
 CONDITIONS = {BEHAVIOUR: BEHAVIOURS, LAW: LAWS}
+CONSTRUCT = "world.construct"
+TABLE_KEYS = (*KEYS, CONSTRUCT)
+TABLE_CONDITIONS = {**CONDITIONS, CONSTRUCT: (True, False)}
+"""Of tables 7.3 and 7.4, each trial beside the empty world."""
 
 
 def environment(behaviour: str, number: int) -> str:
@@ -86,19 +90,21 @@ def _generated(behaviour: str) -> Iterator[str]:
 
 
 def of_creates(experiment: str, repeat: int) -> Trial:
-    """Creates that avoid walls, in an environment that `creates` puts in."""
+    """Creates that avoid walls, in an environment for which `creates` puts in another."""
     herd = of_robots.group(LAWS[0], COUNTS[BEHAVIOURS[0]], obstacles="avoid")
-    return of_robots.trial(
+    made = of_robots.trial(
         experiment, repeat, [herd], world="open-floor", formation="scattered", behaviour=BEHAVIOURS[0]
     )
+    return _placed(made, CHOSEN[BEHAVIOURS[0]], {"scale": SCALE})
 
 
 def of_kinematic(experiment: str, repeat: int) -> Trial:
-    """Kinematic members that avoid walls, in an environment that `members` puts in."""
-    return of_members.trial(
+    """Kinematic members that avoid walls, in an environment for which `members` puts in another."""
+    made = of_members.trial(
         experiment, repeat, [design.herd(COUNTS[BEHAVIOURS[0]])], world="unbounded", formation="single-group",
         behaviour=BEHAVIOURS[0],
     )  # fmt: skip
+    return _placed(made, CHOSEN[BEHAVIOURS[0]], {})
 
 
 def creates(trial: Trial, number: int) -> Trial:
@@ -142,7 +148,7 @@ def _behaviour(trial: Trial) -> str:
 
 def _placed(trial: Trial, number: int, parameters: dict[str, Value]) -> Trial:
     """The trial in its environment, unless the user put another world in."""
-    if trial.world not in ("open-floor", "unbounded"):
+    if trial.world not in ("open-floor", "unbounded", FILE):
         return trial
     return dataclasses.replace(
         trial,

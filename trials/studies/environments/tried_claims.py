@@ -7,6 +7,7 @@ Transfer is ours: of the environments in which kinematic members showed the beha
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from functools import partial
 from pathlib import Path
 
@@ -16,12 +17,12 @@ from flocking.errors import InputError
 from trials.batch.folders import newest
 from trials.batch.store import opened
 from trials.evidence.claims import Entry, Question, all_must_hold, answers, claim_of, published
-from trials.evidence.outcomes import Outcome, above, near
+from trials.evidence.outcomes import Outcome, above, more, near
 from trials.evidence.runs import Cells, Run, UndecidedError
 from trials.studies.environments.claims import BEHAVIOURS, NAMES
 from trials.studies.environments.design import LAWS
 from trials.studies.environments.tried import BEHAVIOURS as TRIED
-from trials.studies.environments.tried import KEYS
+from trials.studies.environments.tried import KEYS, TABLE_KEYS
 
 ONE_OF_FIVE = 0.2
 """One trial of the publication's five; a choice."""
@@ -34,7 +35,7 @@ def of_table(table: str, section: str) -> Callable[[Run], list[Entry]]:
     """The claims of an experiment on one of the two tables: an entry a rate."""
 
     def claims(run: Run) -> list[Entry]:
-        return answers(run, KEYS, partial(_rates, table, section))
+        return answers(run, TABLE_KEYS, partial(_rates, table, section))
 
     return claims
 
@@ -57,7 +58,12 @@ def _rates(table: str, section: str, cells: Cells) -> list[Question]:
 
 
 def _rate(cells: Cells, behaviour: str, law: str, rate: float) -> list[Outcome]:
-    return [near("share of the trials that show it", cells.array(MEASURE, behaviour, law), rate, ONE_OF_FIVE)]
+    """The rate, and beside it what the construct adds to that of the empty world."""
+    found = [near("share of the trials that show it", cells.array(MEASURE, behaviour, law, True), rate, ONE_OF_FIVE)]
+    with suppress(UndecidedError):
+        uplift = cells.difference(MEASURE, (behaviour, law, True), (behaviour, law, False))
+        found.append(more("uplift over the empty world", uplift, SHOWN_MARGIN, decides=False))
+    return found
 
 
 def transfer(run: Run) -> list[Entry]:
