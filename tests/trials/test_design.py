@@ -8,7 +8,7 @@ import pytest
 
 from flocking.errors import InputError
 from trials import design, simulations
-from trials.batch import running
+from trials.batch import asked
 from trials.commands.listing import planned
 from trials.simulations.robots import fields
 from trials.types import Trial
@@ -130,7 +130,7 @@ def test_what_trials_have_in_common_is_looked_at_once(monkeypatch: pytest.Monkey
     looked_at: list[Trial] = []
     monkeypatch.setattr(simulations, "_check", looked_at.append)
     simulations._check_kind.cache_clear()
-    made, chosen = running.planned(running.Asked("information-abstraction", repeats=5))
+    made, chosen = asked.planned(asked.Asked("information-abstraction", repeats=5))
     simulations._check_kind.cache_clear()
     assert len(chosen) > 2000
     assert len(looked_at) == len(chosen) // 5

@@ -32,8 +32,9 @@ def run(
     Raises `InputError` for anything that does not exist or fit, and where that line is missing.
     """
     from trials.batch import deciding, running, worker
+    from trials.batch.asked import Asked
 
-    asked = running.Asked(
+    asked = Asked(
         experiment,
         repeats=repeats,
         seed=seed,

@@ -120,7 +120,7 @@ def show(
 
     Every parameter with its unit and source, published or chosen, and the trials that it will run.
     """
-    from trials.batch.running import Asked, planned
+    from trials.batch.asked import Asked, planned
     from trials.commands import lawcheck, listing, options
 
     asked = Asked(
@@ -177,11 +177,12 @@ def run(
     The exit code is 1 if a trial failed.
     """
     from trials.batch import deciding, running
+    from trials.batch.asked import Asked, planned
     from trials.commands import lawcheck, listing, options
 
     if budget is not None and not until_decided:
         raise InputError(f"--budget {budget}: it is of --until-decided; expected both, or --repeats N")
-    asked = running.Asked(
+    asked = Asked(
         experiment,
         repeats,
         seed,
@@ -199,7 +200,7 @@ def run(
     )
     lawcheck.check_all(asked)
     if dry_run:
-        print(listing.planned(*running.planned(asked)))
+        print(listing.planned(*planned(asked)))
         return 0
     if debug:
         return running.debug(asked)
@@ -279,28 +280,9 @@ def world(
 
     The compiled world with its robots at their start; it loads in any MuJoCo viewer.
     """
-    import shlex
+    from trials.commands import options, worldfile
 
-    from trials import simulations
-    from trials.batch.folders import write_whole
-    from trials.batch.running import Asked, planned
-    from trials.commands import lawcheck, options
-    from trials.invoked import command
-
-    asked = Asked(experiment, repeats=repeat, settings=options.settings(settings or []), world=world_)
-    lawcheck.check_all(asked)
-    made, _ = planned(asked)
-    chosen = next(trial for trial in made.trials if trial.repeat == repeat)
-    world_xml = simulations.of(chosen).world_xml
-    if world_xml is None:
-        raise InputError(
-            f"experiment {experiment!r} is {chosen.simulation}: it has no world for MuJoCo; run it and see it with "
-            f"{command('play')}"
-        )
-    if os.path.lexists(out):
-        raise InputError(f"--out {out}: there is such a file; expected a new one")
-    write_whole(out, world_xml(chosen).encode())
-    print(f"{out}: open it with {shlex.join([sys.executable, '-m', 'mujoco.viewer', f'--mjcf={out}'])}")
+    worldfile.write(experiment, out, repeat, world_, options.settings(settings or []))
 
 
 app.command("import")(plans.import_)

@@ -23,8 +23,8 @@ from typing import IO, Any, NamedTuple
 import numpy as np
 
 from flocking.errors import InputError
+from trials.batch.asked import Asked, users_laws
 from trials.batch.patience import STILL_S, Patience
-from trials.batch.running import Asked, users_laws
 
 CALL_LIMIT_S = 5.0
 """Processor time that one call may take: some 10⁵ times what the project's laws need."""

@@ -13,8 +13,8 @@ from pathlib import Path
 from urllib.parse import quote
 
 from flocking.errors import InputError
+from trials.batch.asked import ranges
 from trials.batch.folders import check_name
-from trials.batch.running import ranges
 from trials.batch.worker import end_with_parent
 from trials.commands.webpage import served
 from trials.invoked import command

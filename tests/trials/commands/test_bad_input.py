@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from flocking.errors import InputError
-from trials.batch.running import ranges
+from trials.batch.asked import ranges
 from trials.commands import options
 
 RUN = ["run", "detection-case-study"]

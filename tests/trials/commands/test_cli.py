@@ -1,4 +1,4 @@
-"""The `herd` command in a process of its own: what it runs, keeps and prints, and its exit codes."""
+"""The `herd` command, in a process of its own where that matters: what it runs, keeps and prints; its exit codes."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ import sqlite3
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from importlib import metadata
 from pathlib import Path
 
@@ -52,6 +53,20 @@ def herd(*words: str, cwd: Path) -> subprocess.CompletedProcess[str]:
         stdin=subprocess.DEVNULL,
         timeout=300,
     )
+
+
+@pytest.fixture
+def here(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Callable[..., tuple[int, str, str]]:
+    """The command in the tests' own process: its exit code, what it prints, and its errors."""
+
+    def called(*words: str, cwd: Path) -> tuple[int, str, str]:
+        monkeypatch.chdir(cwd)
+        monkeypatch.setattr("os.environ", dict(os.environ))
+        monkeypatch.setattr(sys, "argv", ["herd", *words])
+        code = cli.main()
+        return code, *capsys.readouterr()
+
+    return called
 
 
 def table(folder: Path) -> list[tuple[object, ...]]:
@@ -112,10 +127,10 @@ def test_a_resumed_run_equals_an_unbroken_one_with_another_number_of_workers(run
     assert [path.name for path in (broken / "recordings").iterdir()] == ["0001.rrd"]
 
 
-def test_resume_of_a_finished_run_changes_nothing(run: Path) -> None:
+def test_resume_of_a_finished_run_changes_nothing(run: Path, here: Callable[..., tuple[int, str, str]]) -> None:
     before = {path: path.read_bytes() for path in run.rglob("*") if path.is_file() and "report" not in path.name}
-    done = herd("resume", cwd=run.parents[2])  # the newest
-    assert done.returncode == 0, done.stderr
+    code, _, err = here("resume", cwd=run.parents[2])  # the newest
+    assert code == 0, err
     after = {path: path.read_bytes() for path in before}
     assert after == before
 
@@ -140,7 +155,7 @@ def test_a_law_that_fails_in_the_herd_fails_its_trial_and_the_batch_goes_on(tmp_
     assert "Traceback" not in done.stderr
 
 
-def test_only_workers_execute_a_users_law(tmp_path: Path) -> None:
+def test_only_workers_execute_a_users_law(tmp_path: Path, here: Callable[..., tuple[int, str, str]]) -> None:
     """The law notes who executes it: the check and workers, never the command nor its report; resume names it."""
     noted = tmp_path / "noted"
     (tmp_path / "mine.py").write_text(
@@ -149,21 +164,21 @@ def test_only_workers_execute_a_users_law(tmp_path: Path) -> None:
         f"with open({str(noted)!r}, 'a') as file:\n    print(who, file=file)\n"
         + LAW.replace("math.nan if own.id == 2 else 0.1", "0.1")
     )
-    done = herd("run", *SHORT, "--law", "mine.py", "--record", "none", "--only", "1", cwd=tmp_path)
+    done = herd("run", *SHORT, "--law", "mine.py", "--record", "none", "--only", "1", "--jobs", "1", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     folder = tmp_path / "runs/detection-case-study/001"
     executed = set(noted.read_text().split("\n")[:-1])
     assert "worker" in executed
     assert all(who.endswith("lawcheck.py") for who in executed - {"worker"})
     noted.unlink()
-    assert herd("report", str(folder), cwd=tmp_path).returncode == 0
+    assert here("report", str(folder), cwd=tmp_path)[0] == 0
     assert not noted.exists()
     with sqlite3.connect(folder / "results.sqlite") as connection:
         connection.execute("DELETE FROM trials")
     connection.close()
-    again = herd("resume", str(folder), cwd=tmp_path)
-    assert again.returncode == 0, again.stderr
-    assert f"note: runs the user's {folder / 'code' / 'mine.py'}" in again.stderr
+    code, _, err = here("resume", str(folder), cwd=tmp_path)
+    assert code == 0, err
+    assert f"note: runs the user's {folder / 'code' / 'mine.py'}" in err
     assert set(noted.read_text().split("\n")[:-1]) == {"worker"}
 
 
@@ -202,21 +217,21 @@ def test_ctrl_c_keeps_what_has_ended_and_says_how_to_go_on(tmp_path: Path) -> No
     )
 
 
-def test_a_dry_run_shows_what_would_run_and_writes_nothing(tmp_path: Path) -> None:
-    done = herd("run", *SHORT, "--sweep", "herd.speed_m_s=0.1,0.2", "--dry-run", cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
-    assert "3 of 18 trials" in done.stdout
-    assert "herd.law.repulsion_m" in done.stdout
-    assert "chosen" in done.stdout
-    assert "published" in done.stdout
+def test_a_dry_run_shows_what_would_run_and_writes_nothing(
+    tmp_path: Path, here: Callable[..., tuple[int, str, str]]
+) -> None:
+    code, out, err = here("run", *SHORT, "--sweep", "herd.speed_m_s=0.1,0.2", "--dry-run", cwd=tmp_path)
+    assert code == 0, err
+    for told in ("3 of 18 trials", "herd.law.repulsion_m", "chosen", "published"):
+        assert told in out
     assert list(tmp_path.iterdir()) == []
 
 
-def test_the_world_is_written_for_any_viewer(tmp_path: Path) -> None:
+def test_the_world_is_written_for_any_viewer(tmp_path: Path, here: Callable[..., tuple[int, str, str]]) -> None:
     import mujoco
 
-    done = herd("world", "detection-case-study", "--out", "world.xml", cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
+    code, _, err = here("world", "detection-case-study", "--out", "world.xml", cwd=tmp_path)
+    assert code == 0, err
     model = mujoco.MjModel.from_xml_path(str(tmp_path / "world.xml"))
     assert [model.body(f"herd-{k}/base").id > 0 for k in range(1, 7)] == [True] * 6
 

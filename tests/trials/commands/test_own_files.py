@@ -13,7 +13,8 @@ import pytest
 from flocking.errors import InputError
 from robots import body as bodies
 from trials import design, experiments, simulations
-from trials.batch.running import Asked, planned, users_bodies
+from trials.batch.asked import Asked, planned
+from trials.batch.running import users_bodies
 from trials.commands import listing
 from trials.reports import report
 from trials.types import Trial

@@ -9,7 +9,7 @@ from urllib.parse import parse_qs, urlparse
 import pytest
 
 from flocking.errors import InputError
-from trials.batch.running import ranges
+from trials.batch.asked import ranges
 from trials.commands import playback
 
 

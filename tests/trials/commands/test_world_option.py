@@ -19,8 +19,9 @@ from generation.files import to_json
 from generation.primitives import Circle, Point, Polygon, Segment
 from trials import design, simulations
 from trials.batch import runfile, store
+from trials.batch.asked import Asked, planned
 from trials.batch.cluster import check_travels
-from trials.batch.running import Asked, code_of, planned
+from trials.batch.running import code_of
 from trials.commands import cli
 
 ROBOTS, KINEMATIC = "detection-case-study", "lch-table-4-1"

@@ -22,12 +22,11 @@ from generation.environment import Environment
 from trials.rows import below
 from trials.simulations import judged
 from trials.simulations.kinematic import lattice_starts, links
+from trials.simulations.kinematic.places import FORMATION_PARAMETERS, OF_LAW, OPEN, WORLD_PARAMETERS
 from trials.types import Group, Trial, Value
 from worlds import known, start_poses
 
 NAME = "kinematic"
-OPEN = math.nan
-"""A value that is left to the law's own herd."""
 OWN = "own"
 """A text that is left to the law's own herd."""
 OWN_LEADERS = -1
@@ -46,7 +45,6 @@ OF_AVOIDANCE = ("look_ahead_m", "margin_m", "virtual_range_m")
 """What is at work only where obstacles are avoided, or made virtual members."""
 LINKS = "links."
 """Prefix of the keys of the links that a trial measures."""
-_LAW = "the law's own herd: HERD in its file"
 _NO_HERD = (
     f"a choice, for the law's file has no HERD: {USUAL_HERD.spacing_m:g} m, {USUAL_HERD.speed_m_s:g} m/s, "
     f"{USUAL_HERD.dt_s:g} s"
@@ -67,7 +65,7 @@ class TrialFields(NamedTuple):
     """What a kinematic trial has beside its names and groups."""
 
     steps: Annotated[int, Parameter("", "a choice", low=1, high=10_000_000)] = 500
-    timestep_s: Annotated[float, Parameter("s", _LAW, low=1e-6, high=1e3)] = OPEN
+    timestep_s: Annotated[float, Parameter("s", OF_LAW, low=1e-6, high=1e3)] = OPEN
     synchronous: Annotated[
         bool,
         Parameter(
@@ -80,7 +78,7 @@ class TrialFields(NamedTuple):
         str,
         Parameter(
             "",
-            f"backward: velocities change, then positions by them; forward: positions by the old velocities; {_LAW}",
+            f"backward: velocities change, then positions by them; forward: positions by the old velocities; {OF_LAW}",
             choices=(OWN, "backward", "forward"),
             plausible=("backward", "forward"),
         ),
@@ -104,7 +102,7 @@ class TrialFields(NamedTuple):
         ),
     ] = "ring"
     cut_m: Annotated[
-        float, Parameter("m", f"members farther apart are of different groups; {_LAW}, its spacing", low=0.0)
+        float, Parameter("m", f"members farther apart are of different groups; {OF_LAW}, its spacing", low=0.0)
     ] = OPEN
     measured_share: Annotated[
         float, Parameter("", "a choice: the last part of the trial over which measures are averaged", low=0.0, high=1.0)
@@ -118,7 +116,7 @@ class TrialFields(NamedTuple):
 class NameFields(NamedTuple):
     """The names of a kinematic trial's world and formation."""
 
-    world: Annotated[str, Parameter("", _LAW, named=world_names, paths=True)] = OWN_SPACE
+    world: Annotated[str, Parameter("", OF_LAW, named=world_names, paths=True)] = OWN_SPACE
     formation: Annotated[str, Parameter("", "a choice", named=formation_names, paths=True)] = "uniform"
 
 
@@ -134,9 +132,9 @@ class GroupNames(NamedTuple):
 class GroupFields(NamedTuple):
     """What else a kinematic group has."""
 
-    speed_m_s: Annotated[float, Parameter("m/s", f"at the start, along the heading; {_LAW}", low=0.0)] = OPEN
+    speed_m_s: Annotated[float, Parameter("m/s", f"at the start, along the heading; {OF_LAW}", low=0.0)] = OPEN
     cruise_m_s: Annotated[
-        float, Parameter("m/s", f"towards a way-point, 0 = reached in one step; {_LAW}, its speed", low=0.0)
+        float, Parameter("m/s", f"towards a way-point, 0 = reached in one step; {OF_LAW}, its speed", low=0.0)
     ] = OPEN
     max_speed_m_s: Annotated[float, Parameter("m/s", "a choice: 0 = no limit", low=0.0)] = NO_LIMIT
     max_turn_rate_rad_s: Annotated[float, Parameter("rad/s", "a choice: 0 = no limit", low=0.0)] = NO_LIMIT
@@ -166,11 +164,11 @@ class GroupFields(NamedTuple):
         str, Parameter("", "Fine 2015, figure 3.3, which leaves it open", reads=selection_of_obstacles.parse)
     ] = "all"
     look_ahead_m: Annotated[
-        float, Parameter("m", f"of the shared avoidance; three quarters of a spacing, or a step: {_LAW}", low=0.0)
+        float, Parameter("m", f"of the shared avoidance; three quarters of a spacing, or a step: {OF_LAW}", low=0.0)
     ] = OPEN
-    margin_m: Annotated[float, Parameter("m", f"likewise; 0.28 of a spacing: {_LAW}", low=0.0)] = OPEN
+    margin_m: Annotated[float, Parameter("m", f"likewise; 0.28 of a spacing: {OF_LAW}", low=0.0)] = OPEN
     virtual_range_m: Annotated[
-        float, Parameter("m", f"of obstacles that become virtual members; one spacing: {_LAW}", low=0.0)
+        float, Parameter("m", f"of obstacles that become virtual members; one spacing: {OF_LAW}", low=0.0)
     ] = OPEN
     informed_share: Annotated[
         float, Parameter("", "share of the members that know the goal, rounded", low=0.0, high=1.0)
@@ -181,97 +179,8 @@ class GroupFields(NamedTuple):
         int, Parameter("", "0 ordinary, 1 leader or strong, for the laws that tell", low=0, high=1, plausible=())
     ] = 0
     leaders: Annotated[
-        int, Parameter("members", f"the first so many have role 1, −1 = as many as: {_LAW}", low=OWN_LEADERS)
+        int, Parameter("members", f"the first so many have role 1, −1 = as many as: {OF_LAW}", low=OWN_LEADERS)
     ] = OWN_LEADERS
-
-
-class SpaceParameters(NamedTuple):
-    """A square with walls around it."""
-
-    size_m: Annotated[
-        float,
-        Parameter("m", f"side of the square; {_LAW}, its spacing times the root of the count", low=1e-6, high=1e9),
-    ] = OPEN
-
-
-class PeriodicParameters(SpaceParameters):
-    """A square whose opposite sides are one."""
-
-
-class ObstacleParameters(NamedTuple):
-    """A bounded square with pieces of wall scattered in it."""
-
-    size_m: Annotated[
-        float,
-        Parameter("m", f"side of the square; {_LAW}, its spacing times the root of the count", low=1e-6, high=1e9),
-    ] = OPEN
-    walls: Annotated[
-        int, Parameter("", "a choice: straight pieces, uniformly placed and turned", low=0, high=10_000)
-    ] = 10
-    length_m: Annotated[float, Parameter("m", "a choice: of each; open: a tenth of the side", low=1e-6)] = OPEN
-
-
-class UniformParameters(NamedTuple):
-    """Uniformly over the whole of a sized world, or over a square in unbounded space."""
-
-    spacing_m: Annotated[
-        float, Parameter("m", f"side of that square over the root of the count; {_LAW}", low=1e-6, high=1e9)
-    ] = OPEN
-    heading_spread_deg: Annotated[
-        float, Parameter("deg", "headings are drawn within ± this; 180 = all", low=0.0, high=180.0)
-    ] = 180.0
-
-
-class GroupParameters(UniformParameters):
-    """One group, uniformly over a square in the middle of the world."""
-
-
-class SplitParameters(NamedTuple):
-    """Two equal groups side by side along x, each uniformly over a square."""
-
-    spacing_m: Annotated[
-        float, Parameter("m", f"side of a group's square over the root of its count; {_LAW}", low=1e-6, high=1e9)
-    ] = OPEN
-    gap_m: Annotated[
-        float, Parameter("m", "between the groups' centres: twice the spread that table 4.1 gives two groups", low=0.0)
-    ] = 9.9
-    heading_spread_deg: Annotated[
-        float, Parameter("deg", "headings are drawn within ± this; 180 = all", low=0.0, high=180.0)
-    ] = 180.0
-
-
-class LatticeParameters(NamedTuple):
-    """A lattice of squares, centred, as square as the count permits."""
-
-    spacing_m: Annotated[float, Parameter("m", f"between neighbours; {_LAW}", low=1e-6, high=1e9)] = OPEN
-    jitter_m: Annotated[float, Parameter("m", "a choice: shifts are drawn within ± this in x and y", low=0.0)] = 0.0
-    heading_spread_deg: Annotated[
-        float, Parameter("deg", "headings are drawn within ± this; 180 = all", low=0.0, high=180.0)
-    ] = 180.0
-
-
-class TriangularParameters(LatticeParameters):
-    """A lattice of equilateral triangles, centred, as square as the count permits."""
-
-
-class NoParameters(NamedTuple):
-    """The plane without a border."""
-
-
-WORLD_PARAMETERS: dict[str, type] = {
-    "unbounded": NoParameters,
-    "bounded": SpaceParameters,
-    "periodic": PeriodicParameters,
-    "obstacles": ObstacleParameters,
-}
-FORMATION_PARAMETERS: dict[str, type] = {
-    "uniform": UniformParameters,
-    "single-group": GroupParameters,
-    "split-group": SplitParameters,
-    "triangular-lattice": TriangularParameters,
-    "square-lattice": LatticeParameters,
-    **dict.fromkeys(lattice_starts.NAMES, lattice_starts.Parameters),
-}
 
 
 def trial(
@@ -331,9 +240,9 @@ def words_of(parameters: type, group: Group) -> dict[str, Parameter]:
     if hasattr(lawentry.module_of(group.law, group.law_source), "HERD"):
         return {}
     return {
-        name: dataclasses.replace(parameter.about, source=parameter.about.source.replace(_LAW, _NO_HERD))
+        name: dataclasses.replace(parameter.about, source=parameter.about.source.replace(OF_LAW, _NO_HERD))
         for name, parameter in declared(parameters).items()
-        if _LAW in parameter.about.source
+        if OF_LAW in parameter.about.source
     }
 
 

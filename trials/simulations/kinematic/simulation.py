@@ -7,7 +7,7 @@ from pathlib import Path
 
 from trials.simulations import judged
 from trials.simulations.contract import Simulation
-from trials.simulations.kinematic import fields, herd, keys, loop
+from trials.simulations.kinematic import fields, herd, keys, loop, places
 from trials.simulations.kinematic.links import ABOUT as OF_LINKS
 from trials.simulations.kinematic.measures import ABOUT, KEY_MEASURES
 from trials.types import Trial, TrialResult, with_setup
@@ -56,7 +56,7 @@ def constants(_trial: Trial) -> list[str]:
 
 def listed(kind: str) -> Mapping[str, object]:
     """Its worlds and formations; members have no bodies."""
-    named = {"worlds": fields.WORLD_PARAMETERS, "formations": fields.FORMATION_PARAMETERS}.get(kind, {})
+    named = {"worlds": places.WORLD_PARAMETERS, "formations": places.FORMATION_PARAMETERS}.get(kind, {})
     return {f"kinematic: {name}": parameters for name, parameters in named.items()}
 
 

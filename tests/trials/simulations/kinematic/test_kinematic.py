@@ -14,7 +14,7 @@ from flocking.errors import InputError
 from flocking.types import Floats
 from trials import keys, simulations
 from trials.batch import series
-from trials.simulations.kinematic import fields, formations
+from trials.simulations.kinematic import fields, formations, places
 from trials.simulations.kinematic.fields import group, trial
 from trials.simulations.kinematic.recordings import write
 from trials.simulations.tracks import period_of, strips
@@ -55,7 +55,7 @@ def straight(count: int = 20, steps: int = 40, world: str = "unbounded", **given
 
 
 def start(formation: str, count: int = 50, size_m: float = math.inf, seed: int = 1, **given: Any) -> Floats:
-    parameters = fields.FORMATION_PARAMETERS[formation](**{"spacing_m": 0.5, **given})
+    parameters = places.FORMATION_PARAMETERS[formation](**{"spacing_m": 0.5, **given})
     return formations.poses(formation, parameters, count, size_m, np.random.default_rng(seed))
 
 
