@@ -14,9 +14,10 @@ from flocking.parameters import Declared, Parameter, declared, filled
 from generation import behaviours, candidates, filters
 from generation.behaviours import Behaviour
 from generation.filters import Filter
-from generation.found import is_path, load, schemas
+from generation.found import schemas
 from generation.schema import Part, Schema
 from trials.rows import below
+from trials.simulations.schemas import schema_of
 from trials.types import Group, Trial, Value
 
 NAME = "environments"
@@ -135,13 +136,6 @@ def of_trial(trial: Trial) -> TrialFields:
     """A trial's fields with everything filled in. Raises `InputError`."""
     fields: TrialFields = filled(TrialFields, below(trial.setup, ""))
     return fields
-
-
-def schema_of(trial: Trial) -> Schema:
-    """The schema of a trial. Raises `InputError` with the nearest names if there is none."""
-    if not is_path(trial.world) and trial.world.replace("_", "-") not in schemas():
-        raise unknown_name("world", trial.world, schemas())
-    return load(trial.world, trial.world_source)
 
 
 def check_formation(trial: Trial) -> None:

@@ -15,13 +15,14 @@ from flocking.errors import InputError, unknown_name
 from flocking.parameters import Parameter, filled
 from generation import behaviours
 from generation.behaviours import Behaviour
-from generation.found import is_path, load, schemas
+from generation.found import schemas
 from generation.maps.spaces import Box, box_of, mappable, names, whole_numbers
 from generation.maps.trees import EDGES, SPLITS
 from generation.schema import Schema
 from generation.validation.starts import Starts
 from trials.rows import below
 from trials.simulations.kinematic.fields import group
+from trials.simulations.schemas import schema_of
 from trials.types import Group, Trial, Value
 
 NAME = "maps"
@@ -182,13 +183,6 @@ def of_trial(trial: Trial) -> TrialFields:
     """A trial's fields with everything filled in. Raises `InputError`."""
     fields: TrialFields = filled(TrialFields, below(trial.setup, ""))
     return fields
-
-
-def schema_of(trial: Trial) -> Schema:
-    """The schema of a trial. Raises `InputError` with the nearest names if there is none."""
-    if not is_path(trial.world) and trial.world.replace("_", "-") not in schemas():
-        raise unknown_name("world", trial.world, schemas())
-    return load(trial.world, trial.world_source)
 
 
 def check_formation(trial: Trial) -> None:

@@ -14,7 +14,7 @@ from flocking.errors import InputError, unknown_name
 from flocking.parameters import Parameter, filled
 from generation import behaviours
 from generation.behaviours import Behaviour
-from generation.found import is_path, load, schemas
+from generation.found import schemas
 from generation.maps.spaces import names, whole_numbers
 from generation.primitives import Polygon
 from generation.schema import Schema
@@ -23,6 +23,7 @@ from generation.searches.methods import METHODS
 from generation.searches.spaces import Space, searchable, space_of, usual
 from generation.validation.starts import Starts
 from trials.rows import below
+from trials.simulations.schemas import schema_of
 from trials.types import Group, Trial, Value
 
 NAME = "searches"
@@ -185,13 +186,6 @@ def of_pieces(trial: Trial) -> PiecesFields:
     """Those of its decomposition. Raises `InputError`."""
     found: PiecesFields = filled(PiecesFields, below(trial.setup, PIECES), prefix=PIECES)
     return found
-
-
-def schema_of(trial: Trial) -> Schema:
-    """The schema of a trial. Raises `InputError` with the nearest names if there is none."""
-    if not is_path(trial.world) and trial.world.replace("_", "-") not in schemas():
-        raise unknown_name("world", trial.world, schemas())
-    return load(trial.world, trial.world_source)
 
 
 def check_formation(trial: Trial) -> None:
