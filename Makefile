@@ -10,7 +10,7 @@ trials: setup
 # Both processes of the tests would compile the kernel as they start: it is compiled beside the checks, and the laws too.
 test: setup
 	@$(MAKE) --no-print-directory -j 2 kernel checks laws
-	@$(BIN)/pytest -n 2 --dist loadfile
+	@$(BIN)/pytest -n 2 --dist loadfile --no-loadscope-reorder
 
 checks:
 	@$(BIN)/ruff check .
