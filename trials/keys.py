@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Iterator, Mapping
+from pathlib import Path
 from typing import Any
 
 from flocking import lawentry, selection
@@ -104,7 +105,12 @@ def _placed(kept: Any, places: Mapping[str, str], prefix: str, name: str, value:
 
 
 def _in_world(trial: Trial, world: str) -> Trial:
-    """A trial in another world, without the values of the one before that the new one has no place for."""
+    """A trial in another world, without the values of the one before that the new one has no place for.
+
+    The name of the world that it has already, where that is a text without a file, changes nothing.
+    """
+    if world == trial.world and trial.world_source and not Path(world).exists():
+        return trial
     source = known.text_of(world) if known.is_file(world) else ""
     trial = dataclasses.replace(trial, world=world, world_source=source)
     sections = simulations.of(trial).keys_of(trial)
