@@ -18,13 +18,15 @@ import traceback
 from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType
-from typing import IO, Any, NamedTuple
+from typing import IO, TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from flocking.errors import InputError
-from trials.batch.asked import Asked, users_laws
 from trials.batch.patience import STILL_S, Patience
+
+if TYPE_CHECKING:
+    from trials.batch.asked import Asked
 
 CALL_LIMIT_S = 5.0
 """Processor time that one call may take: some 10⁵ times what the project's laws need."""
@@ -95,6 +97,8 @@ def _last_word(process: subprocess.Popen[str], path: str) -> str:
 
 def check_all(asked: Asked) -> None:
     """Checks each law that is a file of the user's own."""
+    from trials.batch.asked import users_laws  # not at the top: the process of the check plans nothing
+
     for path in users_laws(asked):
         check(path)
 

@@ -11,7 +11,6 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from scipy import stats
 
 from flocking.types import Bools, Floats
 from trials.evidence.outcomes import Outcome, Tested
@@ -57,6 +56,8 @@ def _holds(kind: str, tested: Tested, samples: Floats) -> Bools:
 
 def _above(samples: Floats, bound: float, level: float, exact: bool) -> Bools:
     """(S,) whether the middle of each sample (n,) is shown to lie above the bound."""
+    from scipy import stats  # as in `statistics`
+
     n = samples.shape[1]
     if exact:
         least = int(stats.binom.isf(level, n, 0.5)) + 1

@@ -26,7 +26,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from scipy import special, stats
+from scipy import special
 
 from flocking.types import Floats
 from trials.evidence.looks import FEWEST as FEWEST
@@ -71,6 +71,8 @@ def median_interval(values: Floats, confidence: float = 1.0 - ALPHA) -> tuple[fl
     values = _finite(values)
     if len(values) == 0:
         return math.nan, math.nan, math.nan
+    from scipy import stats  # takes longer to import than all else here: commands that judge nothing do not wait for it
+
     interval = stats.quantile_test(values, p=0.5).confidence_interval(confidence)
     return float(np.median(values)), float(interval.low), float(interval.high)
 

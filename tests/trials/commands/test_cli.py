@@ -252,6 +252,12 @@ def test_help_imports_nothing_heavy(tmp_path: Path) -> None:
     assert done.stdout.splitlines()[-1] == "[] 0"
 
 
+def test_what_plans_and_runs_does_not_wait_for_what_judges(tmp_path: Path) -> None:
+    code = "import sys, trials.batch.running, trials.commands.lawcheck; print('scipy.stats' in sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True)
+    assert done.stdout == "False\n"
+
+
 def test_the_version_is_told(tmp_path: Path) -> None:
     done = herd("--version", cwd=tmp_path)
     assert done.returncode == 0
