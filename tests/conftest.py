@@ -1,7 +1,8 @@
-"""Which tests come first."""
+"""Which tests come first, and the terminal that they see."""
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import pytest
@@ -23,6 +24,11 @@ SLOW = (
     "trials/commands/test_bench.py",
 )
 """Files that take longest: they start first, so that at the end nobody waits for one of them (`make test`)."""
+
+os.environ["TERM"] = "xterm"
+for name in ("COLUMNS", "LINES", "NO_COLOR", "FORCE_COLOR", "TTY_COMPATIBLE", "TTY_INTERACTIVE"):
+    os.environ.pop(name, None)
+"""Rich draws by these, in this process and in those that it starts: they are not the caller's."""
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
