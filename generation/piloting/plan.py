@@ -1,0 +1,111 @@
+"""A plan: the walls that guide a herd through a task, and when each of them stands."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from flocking.errors import InputError
+from flocking.types import Floats
+from generation.piloting.task import Task
+from generation.workspaces import wall
+
+FORMAT = 1
+AT_ONCE = 2
+"""Walls that stand at a time where they change: six pilots hold two walls of three (Fine 2015, section 8.2)."""
+
+
+class Wall(NamedTuple):
+    """A wall of algorithm 8 (ITB)."""
+
+    anchor: int
+    """Number of the anchor that it is fixed to."""
+    angle_deg: float
+    length_m: float
+
+    def segment(self, task: Task) -> Floats:
+        """(4,) x0, y0, x1, y1, m. Raises `InputError` for an anchor that the task lacks."""
+        places = task.anchors
+        if self.anchor not in places:
+            raise InputError(f"wall at anchor {self.anchor}: task {task.name} has anchors 1 to {max(places)}")
+        x, y = places[self.anchor]
+        return np.array(wall((float(x), float(y)), self.angle_deg, self.length_m), dtype=np.float64)
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Walls in the order of the turns that they make; a partial one has fewer than the task has turns."""
+
+    task: str
+    static: bool
+    """Whether all walls stand all the time; else each stands from when the last but one has been passed, until it has
+    been passed itself."""
+    walls: tuple[Wall, ...]
+    shares: tuple[float, ...] = ()
+    """Of each wall, the share of members that made its turn when it was found."""
+
+    def standing(self, passed: int) -> tuple[int, ...]:
+        """Numbers of the walls (from 0) that stand when so many of them have been passed."""
+        if self.static:
+            return tuple(range(len(self.walls)))
+        return tuple(range(passed, min(passed + AT_ONCE, len(self.walls))))
+
+    def segments(self, task: Task, passed: int = 0) -> Floats:
+        """(K, 4) the walls that stand when so many have been passed, m."""
+        found = [self.walls[k].segment(task) for k in self.standing(passed)]
+        return np.array(found, dtype=np.float64).reshape(-1, 4)
+
+
+def to_json(plan: Plan, told: dict[str, Any] | None = None) -> str:
+    """The plan as text, with what is `told` of how it was found."""
+    walls = [{**wall._asdict(), "share": share} for wall, share in _paired(plan)]
+    data = {"format": FORMAT, "task": plan.task, "static": plan.static, "walls": walls, "found": told or {}}
+    return json.dumps(data, indent=1) + "\n"
+
+
+def read(path: str | Path) -> Plan:
+    """The plan of a file. Raises `InputError`."""
+    try:
+        return from_json(Path(path).read_text(encoding="utf-8"), str(path))
+    except OSError as error:
+        raise InputError(f"plan {str(path)!r} cannot be read: {error.strerror or error}") from None
+    except UnicodeDecodeError:
+        raise InputError(f"plan {str(path)!r} is no text; expected JSON in UTF-8") from None
+
+
+def from_json(text: str, where: str) -> Plan:
+    """The plan that text describes. Raises `InputError`."""
+    try:
+        data = json.loads(text)
+        if data["format"] != FORMAT:
+            raise ValueError(f"format {data['format']!r}")
+        task, static, rows = data["task"], data["static"], data["walls"]
+        if not isinstance(task, str) or not isinstance(static, bool):
+            raise ValueError("a task or static of another type")
+        walls = tuple(Wall(_whole(row["anchor"]), _number(row["angle_deg"]), _number(row["length_m"])) for row in rows)
+        shares = tuple(_number(row["share"]) for row in rows)
+    except (ValueError, KeyError, TypeError, RecursionError) as error:
+        raise InputError(f"{where} is no plan: {error}; expected what `herd plan` wrote") from None
+    return Plan(task, static, walls, shares)
+
+
+def _paired(plan: Plan) -> Sequence[tuple[Wall, float]]:
+    return list(zip(plan.walls, plan.shares or (math.nan,) * len(plan.walls), strict=True))
+
+
+def _whole(value: Any) -> int:
+    if isinstance(value, bool) or not isinstance(value, int):
+        raise ValueError(f"{value!r} is no whole number")
+    return value
+
+
+def _number(value: Any) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise ValueError(f"{value!r} is no number")
+    return float(value)

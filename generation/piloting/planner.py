@@ -1,0 +1,194 @@
+"""Finds the walls that guide a herd through a task: walls of ITB at each turn, validated by simulation, chained.
+
+Source: Fine 2015, section 8.2: for each task environments of a schema with a single wall (algorithm 8) are generated
+and validated, and where no walls that stand all the time solve it, they are modified over time. How walls are chained
+is a choice: turn by turn, the best walls of a grid first, back to the turn before where none does.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+
+from flocking.errors import InputError
+from flocking.types import Floats
+from generation.free_space import crossed
+from generation.group import Group
+from generation.piloting import chain
+from generation.piloting.chain import State
+from generation.piloting.plan import Plan, Wall
+from generation.piloting.task import Task
+
+
+class Grid(NamedTuple):
+    """The walls that are tried at a turn."""
+
+    angle_step_deg: float = 15.0
+    lengths_m: tuple[float, ...] = (0.75, 1.06, 1.5, 2.12)
+    """Half of a street of 1.5 m, half of its crossing's diagonal, the street, and the diagonal. A choice."""
+    reach_m: float = 1.3
+    """Farthest anchors from the turn, and farthest from it that a wall may end."""
+
+
+class Search(NamedTuple):
+    """How walls are searched for."""
+
+    grid: Grid = Grid()
+    starts: int = 6
+    """Herds by which each wall is validated."""
+    share: float = 0.95
+    """Share of their members that have to make a turn for its wall to be valid. A choice."""
+    breadth: int = 6
+    """Valid walls of a turn that are gone on from, the best first."""
+    budget: int = 100_000
+    """Simulations of a stage, of one herd each, after which the search ends."""
+    seed: int = 1
+    side_m: float = 1.2
+    """Side of the square in which herds start."""
+    apart_m: float = 0.4
+    """Least distance of members at the start; half of it from walls."""
+
+
+USUAL = Search()
+
+
+@dataclass
+class Progress:
+    """What a search has done so far."""
+
+    simulations: int = 0
+    best: Plan | None = None
+    """The longest chain of valid walls so far."""
+    say: Callable[[str], None] = field(default=lambda line: None)
+
+
+class BudgetSpentError(InputError):
+    """The budget is spent before a plan was found; the progress holds what there is."""
+
+
+def candidates(task: Task, corner: int, grid: Grid) -> list[Wall]:
+    """The walls of a grid at a corner of the trajectory, that lie in the workspace's free space.
+
+    Walls that are the same segment from either of their ends are tried once.
+    """
+    at, walls = task.trajectory[corner], task.environment.walls()
+    angles = np.arange(0.0, 360.0, grid.angle_step_deg)
+    found: dict[tuple[float, ...], Wall] = {}
+    for number, place in task.anchors.items():
+        if np.hypot(*(place - at)) > grid.reach_m:
+            continue
+        for angle, length in itertools.product(angles, grid.lengths_m):
+            wall = Wall(number, float(angle), float(length))
+            segment = wall.segment(task)
+            end = segment[2:]
+            middle = segment[:2] + 1e-6 * (end - segment[:2]), segment[:2] + (1.0 - 1e-6) * (end - segment[:2])
+            if np.hypot(*(end - at)) > grid.reach_m or crossed(walls, middle[0], middle[1][None])[0]:
+                continue
+            ends = sorted((tuple(segment[:2].round(3)), tuple(end.round(3))))
+            found.setdefault((*ends[0], *ends[1]), wall)
+    return list(found.values())
+
+
+def search(
+    task: Task,
+    group: Group,
+    step_m: float,
+    how: Search = USUAL,
+    static: bool = False,
+    progress: Progress | None = None,
+) -> Plan:
+    """A plan whose walls guide new herds to the goal, at least by the share that is asked for.
+
+    `step_m`: way of a member in an iteration. Raises `BudgetSpentError` where the budget is spent, and `InputError`
+    where the grid is: `progress.best` is then the longest chain of valid walls.
+    """
+    progress = progress or Progress()
+    states = chain.starts(task, group.count, how.starts, how.seed, how.side_m, how.apart_m)
+    fresh = chain.starts(task, group.count, how.starts, how.seed + 1, how.side_m, how.apart_m)
+    finder = _Finder(task, group, step_m, how, static, progress, fresh)
+    for plan in finder.chains(Plan(task.name, static, ()), states):
+        return plan
+    best = progress.best
+    raise InputError(
+        f"task {task.name}: no plan of {'static' if static else 'changing'} walls in the grid: the longest chain has "
+        f"{len(best.walls) if best else 0} of {len(task.turns)} walls; {progress.simulations} simulations were tried"
+    )
+
+
+@dataclass(frozen=True)
+class _Finder:
+    task: Task
+    group: Group
+    step_m: float
+    how: Search
+    static: bool
+    progress: Progress
+    fresh: Sequence[State]
+
+    def chains(self, plan: Plan, entering: Sequence[State]) -> Iterator[Plan]:
+        """Whole plans that begin with this one, the best first.
+
+        `entering`: herds as they enter the last stage of a plan whose walls change, whose walls depend on what follows;
+        else the stage that comes next.
+        """
+        turn = len(plan.walls)
+        if turn == len(self.task.turns):
+            whole = self._stages(plan)
+            if whole >= self.how.share:
+                yield plan
+            return
+        for share, longer, states in self._ranked(plan, entering)[: self.how.breadth]:
+            if self.progress.best is None or len(longer.walls) > len(self.progress.best.walls):
+                self.progress.best = longer
+                self.progress.say(f"turn {turn + 1} of {len(self.task.turns)}: {share:.2f} of the members make it")
+            yield from self.chains(longer, states)
+
+    def _ranked(self, plan: Plan, entering: Sequence[State]) -> list[tuple[float, Plan, Sequence[State]]]:
+        """The valid walls of the next turn: share, the plan with it, and the herds from which the search goes on."""
+        turn = len(plan.walls)
+        corner = self.task.turns[turn]
+        before: Sequence[State] = entering
+        if not self.static and turn > 0:  # as they would enter the stage if only the wall before stood
+            before = self._taken(plan.segments(self.task, turn - 1), entering, self.task.turns[turn - 1])[1]
+        found = []
+        for wall in candidates(self.task, corner, self.how.grid):
+            longer = Plan(plan.task, plan.static, (*plan.walls, wall), plan.shares)
+            share, states = self._taken(longer.segments(self.task, turn), before, corner)
+            if share >= self.how.share:
+                found.append((share, wall.length_m, longer, states))
+        found.sort(key=lambda entry: (-entry[0], entry[1]))
+        valid: list[tuple[float, Plan, Sequence[State]]] = []
+        for share, _, longer, states in found:
+            if len(valid) == self.how.breadth:
+                break
+            on, first = states, 1.0
+            if not self.static:
+                on = entering
+                if turn > 0:  # the wall stands while the one before is passed
+                    first, on = self._taken(longer.segments(self.task, turn - 1), entering, self.task.turns[turn - 1])
+            if first >= self.how.share:
+                valid.append((share, Plan(plan.task, plan.static, longer.walls, (*plan.shares, share)), on))
+        return valid
+
+    def _taken(self, walls: Floats, states: Sequence[State], corner: int) -> tuple[float, list[State]]:
+        self._spend(len(states))
+        staged = chain.stage(self.task, self.group, walls, states, corner, self.step_m)
+        return chain.share(staged), [each.state for each in staged]
+
+    def _stages(self, plan: Plan) -> float:
+        """The share of the members of new herds that a whole plan guides to the goal."""
+        self._spend(len(self.fresh) * (len(plan.walls) + 1))
+        return chain.share(chain.follow(self.task, plan, self.group, self.fresh, self.step_m)[-1])
+
+    def _spend(self, simulations: int) -> None:
+        self.progress.simulations += simulations
+        if self.progress.simulations > self.how.budget:
+            best = self.progress.best
+            raise BudgetSpentError(
+                f"task {self.task.name}: no plan within {self.how.budget} simulations: the longest chain has "
+                f"{len(best.walls) if best else 0} of {len(self.task.turns)} walls; expected a larger budget"
+            )
