@@ -165,7 +165,8 @@ class _Finder:
         for share, _, longer, states in found:
             if len(valid) == self.how.breadth:
                 break
-            on, first = states, 1.0
+            on: Sequence[State] = states
+            first = 1.0
             if not self.static:
                 on = entering
                 if turn > 0:  # the wall stands while the one before is passed
