@@ -1,0 +1,139 @@
+"""The planner with a group whose ways are known: straight on, and along whatever wall is in the way."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from flocking.errors import InputError
+from flocking.types import Floats
+from generation.free_space import crossed
+from generation.group import Job
+from generation.piloting import chain, planner, static
+from generation.piloting import plan as plans
+from generation.piloting import task as tasks
+from generation.piloting.plan import Plan, Wall
+from generation.piloting.planner import BudgetSpentError, Grid, Progress, Search
+
+STEP_M = 0.1
+COARSE = Grid(angle_step_deg=45.0, lengths_m=(2.12,))
+"""The diagonals of crossings, and walls across streets."""
+HOW = Search(grid=COARSE, starts=2, side_m=0.2, apart_m=0.0, share=1.0)
+
+
+class Sliding:
+    """One member that goes straight on, and along a wall that its next step would cross, whichever way is less of a turn."""
+
+    count = 1
+
+    def trajectories(self, jobs: Sequence[Job], iterations: int) -> Iterator[Floats]:
+        for job in jobs:
+            walls = job.environment.walls()
+            x, y, heading = job.poses_w[0]
+            found = [(x, y)]
+            for _ in range(iterations):
+                heading = self._turned(walls, np.array([x, y]), heading)
+                x, y = x + STEP_M * math.cos(heading), y + STEP_M * math.sin(heading)
+                found.append((x, y))
+            yield np.array(found)[:, None]
+
+    def _turned(self, walls: Floats, at: Floats, heading: float) -> float:
+        for _ in range(4):
+            ahead = at + 2.0 * STEP_M * np.array([math.cos(heading), math.sin(heading)])
+            met = [wall for wall in walls if crossed(wall[None], at, ahead[None])[0]]
+            if not met:
+                return heading
+            along = math.atan2(met[0][3] - met[0][1], met[0][2] - met[0][0])
+            turns = [math.remainder(along + half - heading, 2.0 * math.pi) for half in (0.0, math.pi)]
+            heading += min(turns, key=abs)
+        return heading + math.pi
+
+
+@pytest.mark.parametrize("name", tasks.names())
+def test_candidates_begin_at_anchors_and_cross_no_wall(name: str) -> None:
+    task = tasks.load(name)
+    for turn in task.turns:
+        found = planner.candidates(task, turn, Grid())
+        assert found
+        ends = {tuple(sorted([tuple(s[:2].round(3)), tuple(s[2:].round(3))])) for s in (w.segment(task) for w in found)}
+        assert len(ends) == len(found)  # none is tried from both of its ends
+        for wall in found:
+            segment = wall.segment(task)
+            assert np.allclose(segment[:2], task.anchors[wall.anchor])
+            # rounding of the ends, which may lie on the walls of blocks
+            assert np.hypot(*(segment[2:] - task.trajectory[turn])) <= Grid().reach_m + 1e-9
+
+
+@pytest.mark.parametrize("changing", [False, True])
+def test_a_plan_is_found_for_a_staircase_and_guides_new_herds(changing: bool) -> None:
+    task, group, progress = tasks.load("task-1"), Sliding(), Progress()
+    plan = planner.search(task, group, STEP_M, HOW, static=not changing, progress=progress)
+    assert len(plan.walls) == 3
+    assert progress.simulations <= HOW.budget
+    new = chain.starts(task, 1, 3, 99, 0.2, 0.0)
+    last = chain.follow(task, plan, group, new, STEP_M)[-1]
+    assert chain.share(last) == 1.0
+    none = Plan(task.name, True, ())
+    assert chain.share(chain.follow(task, none, group, new, STEP_M)[-1]) == 0.0  # without walls nobody arrives
+
+
+def test_no_walls_that_stand_all_the_time_solve_the_loop_and_walls_that_change_do() -> None:
+    task, group = tasks.load("task-3"), Sliding()
+    states = chain.starts(task, 1, 2, 1, 0.2, 0.0)
+    found = static.exhaust(task, group, states, STEP_M, 2.0 * STEP_M, COARSE, 1.0)
+    assert found.best == 0.0
+    assert found.plan is None or len(found.plan.walls) == 5
+    assert 0 < found.tried <= found.sets
+    plan = planner.search(task, group, STEP_M, HOW)
+    assert not plan.static
+    assert len(plan.walls) == 5
+    assert chain.share(chain.follow(task, plan, group, states, STEP_M)[-1]) == 1.0
+
+
+def test_exhausting_the_sets_of_a_staircase_finds_one() -> None:
+    task, group = tasks.load("task-1"), Sliding()
+    states = chain.starts(task, 1, 2, 1, 0.2, 0.0)
+    found = static.exhaust(task, group, states, STEP_M, 2.0 * STEP_M, COARSE, 1.0)
+    assert found.best == 1.0
+    assert found.plan is not None
+    assert chain.share(chain.follow(task, found.plan, group, states, STEP_M)[-1]) == 1.0
+
+
+def test_a_budget_that_is_spent_keeps_the_longest_chain() -> None:
+    task, progress = tasks.load("task-1"), Progress()
+    with pytest.raises(BudgetSpentError, match="no plan within 30 simulations: the longest chain has"):
+        planner.search(task, Sliding(), STEP_M, HOW._replace(budget=30), progress=progress)
+    assert progress.best is None or len(progress.best.walls) < 3
+
+
+def test_a_grid_without_a_plan_says_what_was_tried() -> None:
+    with pytest.raises(InputError, match="no plan of changing walls in the grid: the longest chain has 0 of 3"):
+        planner.search(tasks.load("task-1"), Sliding(), STEP_M, HOW._replace(grid=Grid(90.0, (0.3,))))
+
+
+def test_plans_stand_as_they_say_and_are_read_as_they_were_written(tmp_path: Path) -> None:
+    walls = (Wall(27, 315.0, 0.75), Wall(22, 135.0, 0.75), Wall(45, 315.0, 0.75))
+    changing = Plan("task-1", False, walls, (1.0, 0.95, 1.0))
+    assert [changing.standing(passed) for passed in range(4)] == [(0, 1), (1, 2), (2,), ()]
+    assert all(Plan("task-1", True, walls).standing(passed) == (0, 1, 2) for passed in range(4))
+    path = tmp_path / "plan.json"
+    path.write_text(plans.to_json(changing, {"simulations": 7}))
+    assert plans.read(path) == changing
+
+
+@pytest.mark.parametrize(
+    "text", ["", "[]", "{}", '{"format": 2}', '{"format": 1, "task": 1, "static": true, "walls": []}']
+)
+def test_what_is_no_plan_is_refused_in_one_line(text: str) -> None:
+    with pytest.raises(InputError, match="is no plan") as refused:
+        plans.from_json(text, "mine.json")
+    assert "\n" not in str(refused.value)
+
+
+def test_a_wall_at_an_anchor_that_a_task_lacks_is_refused() -> None:
+    with pytest.raises(InputError, match="anchors 1 to 64"):
+        Wall(99, 0.0, 1.0).segment(tasks.load("task-1"))
