@@ -107,6 +107,8 @@ class Body:
     and `y` of a `Motion`; `cruise`, speed towards a way-point; the command in force; `dt`, s to the next update."""
     constants: tuple[str, ...]
     """Modules whose constants are this body's numbers, to be shown with their sources."""
+    marked: bool = True
+    """Whether others can tell it as a member; one that is not marked looks like a part of a wall."""
 
     def mount(self, sensor: str) -> Mount:
         """Where `sensor` is fastened. Raises `InputError` where this body carries none."""

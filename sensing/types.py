@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from flocking.types import Floats, Ints, Members, Obstacles
+from flocking.types import Bools, Floats, Ints, Members, Obstacles
 
 NOBODY = -1
 """Owner of a beam or an input that belongs to no member."""
@@ -48,6 +48,8 @@ class WorldTruth(NamedTuple):
     """Index of the focal member."""
     walls_w: Floats
     """(W, 4) segments x0, y0, x1, y1, which occlude."""
+    marked: Bools | None = None
+    """(N,) which robots can be told as members; None = all. The others look like parts of walls."""
 
 
 class Senses(NamedTuple):

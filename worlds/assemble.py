@@ -17,11 +17,13 @@ from robots import body, physics, touching
 from robots.body import Body, Fleet
 from robots.fleets import fleet_of
 from worlds import known
+from worlds.standing import Standing, add_standing
 from worlds.walls import Walls, add_walls, walls_of
 
 NEVER = -(10**9)
 """Tick of the last touch of a pair that has not touched yet."""
 _NEW_CONTACTS = 256
+NONE_STANDING: Floats = np.empty((0, 4))
 FEW_WALLS = 16
 """Up to so many boxes each robot is held against each; more are kept in MuJoCo's tree of bounding boxes. A choice: with
 742 boxes the tree takes a third of the time."""
@@ -48,6 +50,8 @@ class World:
     _release: int
     _poses_w: Floats
     """(N, 3) at the start."""
+    standing: Standing
+    """The walls that can stand or not."""
     contacts: list[tuple[float, ...]] = field(default_factory=list)
     """One row for each touch that began: time, robot, other (−1 = a wall), x, y."""
     observers: list[Callable[[mujoco.MjData], None]] = field(default_factory=list)
@@ -61,7 +65,15 @@ class World:
         Bodies, joints and actuators have the numbers that they have in `model`, so that places in `data.qpos` are the
         same; geoms and sites have not.
         """
-        return specification(self.walls, self.bodies, self.names, self._poses_w, self.model.opt.timestep).compile()
+        return specification(
+            self.walls, self.bodies, self.names, self._poses_w, self.model.opt.timestep, self.standing.segments
+        ).compile()
+
+    @property
+    def standing_w(self) -> Floats:
+        """(W, 4) all walls that stand now: segments x0, y0, x1, y1, m."""
+        up = self.standing.up
+        return np.concatenate([self.walls.all, self.standing.segments[up]]) if up.any() else self.walls.all
 
     def advance(self, to: int) -> None:
         """Steps physics until tick `to`: wheel ramps before every step, encoders and contacts after it."""
@@ -94,17 +106,19 @@ def build(
     poses_w: Floats,
     timestep_s: float,
     world_text: str = "",
+    standing_w: Floats = NONE_STANDING,
 ) -> World:
     """The world of that name with a robot of the body `bodies[k]`, called `names[k]`, at each pose (N, 3).
 
     `world_text`: of the file of a world of the user's own, whose name is then its path; read there if it is not given.
-    Raises `InputError` for an unknown world, body or parameter.
+    `standing_w`: (K, 4) walls that can rise and vanish; none of them stands. Raises `InputError` for an unknown world,
+    body or parameter.
     """
     kinds = tuple(body.load(name) for name in bodies)
     its = known.load(world, world_text)
     parameters = filled(its.parameters, world_parameters, prefix="world.")
     walls = walls_of(its.environment(parameters))
-    model = specification(walls, kinds, names, poses_w, timestep_s, looks=False).compile()
+    model = specification(walls, kinds, names, poses_w, timestep_s, standing_w, looks=False).compile()
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     fleet = fleet_of(model, kinds, [prefix(name) for name in names])
@@ -121,6 +135,7 @@ def build(
         _began=np.empty((_NEW_CONTACTS, 4)),
         _release=round(touching.APART_S / timestep_s),
         _poses_w=poses_w.copy(),
+        standing=Standing(model, standing_w),
     )
 
 
@@ -135,6 +150,7 @@ def specification(
     names: Sequence[str],
     poses_w: Floats,
     timestep_s: float,
+    standing_w: Floats = NONE_STANDING,
     looks: bool = True,
 ) -> mujoco.MjSpec:
     """Floor, walls and robots as an editable specification; without `looks` only what physics needs of the robots."""
@@ -152,6 +168,7 @@ def specification(
         rgba=[0.92, 0.92, 0.9, 1.0],
     )
     add_walls(spec, walls)
+    add_standing(spec, standing_w, walls.reflectance)
     if len(walls.all) > FEW_WALLS:
         spec.option.disableflags &= ~int(mujoco.mjtDisableBit.mjDSBL_MIDPHASE)
     robots = {name: kind.spec() for name, kind in {kind.name: kind for kind in kinds}.items()}

@@ -73,7 +73,7 @@ def add_walls(spec: mujoco.MjSpec, walls: Walls) -> None:
             name=f"wall-{number + 1}",
             size=[math.hypot(x1 - x0, y1 - y0) / 2 + (before + past) / 2, half, HEIGHT / 2],
             pos=[(x0 + x1) / 2 + shift * c + half * s, (y0 + y1) / 2 + shift * s - half * c, HEIGHT / 2],
-            **_alike(direction, walls.reflectance),
+            **box_like(direction, walls.reflectance),
         )
     for number, ((x0, y0, x1, y1), (before, past)) in enumerate(
         zip(walls.fences, fence_overlaps(walls.fences), strict=True)
@@ -86,12 +86,12 @@ def add_walls(spec: mujoco.MjSpec, walls: Walls) -> None:
             name=f"fence-{number + 1}",
             size=[length / 2 + (before + past) / 2, FENCE / 2, HEIGHT / 2],
             pos=[(x0 + x1) / 2 + shift * c, (y0 + y1) / 2 + shift * s, HEIGHT / 2],
-            **_alike(direction, walls.reflectance),
+            **box_like(direction, walls.reflectance),
         )
 
 
-def _alike(direction: float, reflectance: float) -> dict[str, Any]:
-    """What the boxes of walls and fences have in common."""
+def box_like(direction: float, reflectance: float) -> dict[str, Any]:
+    """What the boxes of walls and fences have in common; `direction`: of their length, rad."""
     return {
         "type": mujoco.mjtGeom.mjGEOM_BOX,
         "quat": [math.cos(direction / 2), 0.0, 0.0, math.sin(direction / 2)],

@@ -7,7 +7,8 @@ those between two. Robots are assigned by the Hungarian method (Kuhn 1955).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -23,17 +24,19 @@ from generation.piloting.task import Task
 ROBOTS_A_WALL = 3
 """Fine 2015, section 8.2."""
 Objective = Literal["total", "largest"]
+OBJECTIVES: tuple[Objective, ...] = ("total", "largest")
+"""What is least over all ways of robots to their places: the sum, or the longest."""
 
 
-class Change(NamedTuple):
-    """What pilots do when a stage begins."""
+class Held(NamedTuple):
+    """Which robots hold which walls."""
 
-    slots: Floats
-    """(S, 2) places of all walls that stand in the stage, wall by wall, m."""
-    robots: Ints
-    """(S,) which robot goes to each, or stays there."""
+    walls: dict[int, Ints]
+    """Number of a wall that stands (from 0) → the robots (k,) along it."""
     moving: Ints
-    """Robots that change their place."""
+    """(M,) robots that have to change their places."""
+    places: Floats
+    """(M, 2) where they go, m."""
 
 
 def slots(segment: Floats, robots: int = ROBOTS_A_WALL) -> Floats:
@@ -73,33 +76,43 @@ def _bottleneck(ways: Floats) -> float:
     return float(lengths[low])
 
 
-def changes(
-    task: Task, plan: Plan, places: Floats, robots_a_wall: int = ROBOTS_A_WALL, objective: Objective = "total"
-) -> list[Change]:
-    """What pilots that begin at places (R, 2) do at the beginning of each stage of a plan, m.
+def change(
+    task: Task, plan: Plan, passed: int, places: Floats, held: Mapping[int, Ints] = MappingProxyType({}),
+    robots_a_wall: int = ROBOTS_A_WALL, objective: Objective = "total",
+) -> Held:  # fmt: skip
+    """What pilots at places (R, 2), m, do once so many walls have been passed, where they hold the walls of `held`.
 
-    Robots of a wall that goes on standing stay; those of the wall that was passed, and those that were free, are
-    assigned to the next one. Raises `InputError` where there are fewer pilots than places.
+    As many walls as there are robots for stand at a time. Robots of a wall that goes on standing stay; all others are
+    assigned to the walls that are next. Raises `InputError` where there are fewer pilots than places.
     """
-    found, at = [], np.array(places, dtype=np.float64)
-    holding: dict[int, Ints] = {}
-    for passed in range(len(plan.walls)):
-        standing = plan.standing(passed)
-        holding = {wall: robots for wall, robots in holding.items() if wall in standing}
-        free = np.array(sorted(set(range(len(at))) - {int(r) for robots in holding.values() for r in robots}), np.int64)
-        wanted = [wall for wall in standing if wall not in holding]
-        goals = [slots(plan.walls[wall].segment(task), robots_a_wall) for wall in wanted]
-        targets = np.concatenate([np.empty((0, 2)), *goals])
-        robots = free[assigned(at[free], targets, objective)]
-        at[robots] = targets
-        for k, wall in enumerate(wanted):
-            holding[wall] = robots[k * robots_a_wall : (k + 1) * robots_a_wall]
-        every = np.concatenate([np.empty(0, np.int64), *(holding[wall] for wall in standing)]).astype(np.int64)
-        found.append(Change(at[every].copy(), every, np.sort(robots)))
-    return found
+    standing = plan.standing(passed, len(places) // robots_a_wall)
+    kept = {wall: robots for wall, robots in held.items() if wall in standing}
+    busy = {int(robot) for robots in kept.values() for robot in robots}
+    free = np.array([robot for robot in range(len(places)) if robot not in busy], dtype=np.int64)
+    wanted = [wall for wall in standing if wall not in kept]
+    goals = [slots(plan.walls[wall].segment(task), robots_a_wall) for wall in wanted]
+    targets = np.concatenate([np.empty((0, 2)), *goals])
+    robots = free[assigned(places[free], targets, objective)]
+    for k, wall in enumerate(wanted):
+        kept[wall] = robots[k * robots_a_wall : (k + 1) * robots_a_wall]
+    return Held(kept, robots, targets)
 
 
-def most_slots(plan: Plan, robots_a_wall: int = ROBOTS_A_WALL) -> int:
-    """The most places that are held at a time."""
-    counts: Sequence[int] = [len(plan.standing(passed)) for passed in range(len(plan.walls))]
-    return robots_a_wall * max(counts, default=0)
+def at_first(task: Task, plan: Plan, pilots: int, robots_a_wall: int = ROBOTS_A_WALL) -> Floats:
+    """(pilots, 2) where pilots stand at the start: along the walls that stand then, m.
+
+    Raises `InputError` for a number of them that does not make whole walls, or none.
+    """
+    if pilots < robots_a_wall or pilots % robots_a_wall:
+        least = max(1, round(pilots / robots_a_wall)) * robots_a_wall
+        raise InputError(
+            f"{pilots} pilots for walls of {robots_a_wall} robots; expected a multiple, as {least}: fewer leave places "
+            "of a formation empty"
+        )
+    standing = plan.standing(0, pilots // robots_a_wall)
+    if len(standing) * robots_a_wall < pilots:
+        raise InputError(
+            f"{pilots} pilots for {len(plan.walls)} walls of {robots_a_wall} robots; expected at most "
+            f"{len(plan.walls) * robots_a_wall}"
+        )
+    return np.concatenate([slots(plan.walls[wall].segment(task), robots_a_wall) for wall in standing])

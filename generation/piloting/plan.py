@@ -50,11 +50,16 @@ class Plan:
     shares: tuple[float, ...] = ()
     """Of each wall, the share of members that made its turn when it was found."""
 
-    def standing(self, passed: int) -> tuple[int, ...]:
-        """Numbers of the walls (from 0) that stand when so many of them have been passed."""
-        if self.static:
-            return tuple(range(len(self.walls)))
-        return tuple(range(passed, min(passed + AT_ONCE, len(self.walls))))
+    def standing(self, passed: int, at_once: int | None = None) -> tuple[int, ...]:
+        """Numbers of the walls (from 0) that stand when so many of them have been passed.
+
+        `at_once`: so many stand at a time at the most; by default as many as the plan says.
+        """
+        if at_once is None:
+            if self.static:
+                return tuple(range(len(self.walls)))
+            at_once = AT_ONCE
+        return tuple(range(passed, min(passed + at_once, len(self.walls))))
 
     def segments(self, task: Task, passed: int = 0) -> Floats:
         """(K, 4) the walls that stand when so many have been passed, m."""
@@ -67,6 +72,29 @@ def to_json(plan: Plan, told: dict[str, Any] | None = None) -> str:
     walls = [{**wall._asdict(), "share": share} for wall, share in _paired(plan)]
     data = {"format": FORMAT, "task": plan.task, "static": plan.static, "walls": walls, "found": told or {}}
     return json.dumps(data, indent=1) + "\n"
+
+
+def words(walls: Sequence[Wall]) -> str:
+    """Walls as one line of text: the anchor, the angle in degrees and the length in metres of each, by commas."""
+    return ", ".join(f"{wall.anchor} {wall.angle_deg:g} {wall.length_m:g}" for wall in walls)
+
+
+def of_words(text: str) -> tuple[Wall, ...]:
+    """The inverse of `words`. Raises `InputError`."""
+    found = []
+    for part in text.split(",") if text.strip() else []:
+        numbers = part.split()
+        try:
+            anchor, angle, length = int(numbers[0]), float(numbers[1]), float(numbers[2])
+        except (ValueError, IndexError):
+            numbers = []
+        if len(numbers) != 3 or not (math.isfinite(angle) and 0.0 < length < math.inf):
+            raise InputError(
+                f"wall {part.strip()!r}: expected its anchor, its angle in degrees and its length in metres, as in "
+                "'27 315 0.75', and commas between walls"
+            )
+        found.append(Wall(anchor, angle, length))
+    return tuple(found)
 
 
 def read(path: str | Path) -> Plan:

@@ -2,13 +2,16 @@
 
 Source: Fine 2015, section 8.2: for each task environments of a schema with a single wall (algorithm 8) are generated
 and validated, and where no walls that stand all the time solve it, they are modified over time. How walls are chained
-is a choice: turn by turn, the best walls of a grid first, back to the turn before where none does.
+is a choice: turn by turn, the steadiest of a grid's valid walls first, back to the turn before where none does. A wall
+is the steadier, the larger the mean share of it and its neighbours in the grid: other members, with other bodies, meet
+it as if it stood somewhat otherwise.
 """
 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterator, Sequence
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -93,6 +96,21 @@ def candidates(task: Task, corner: int, grid: Grid) -> list[Wall]:
     return list(found.values())
 
 
+def steadiness(wall: Wall, shares: Mapping[Wall, float], grid: Grid) -> float:
+    """The mean share of a wall and of its neighbours in the grid: at the same anchor, one step of angle or length away.
+
+    `shares`: of the members that make the turn, of all walls that were tried.
+    """
+    near = [share for other, share in shares.items() if _beside(wall, other, grid)]
+    return float(np.mean(near))
+
+
+def _beside(wall: Wall, other: Wall, grid: Grid) -> bool:
+    turned = abs(math.remainder(wall.angle_deg - other.angle_deg, 360.0))
+    steps = abs(grid.lengths_m.index(wall.length_m) - grid.lengths_m.index(other.length_m))
+    return wall.anchor == other.anchor and turned <= 1.001 * grid.angle_step_deg and steps <= 1
+
+
 def search(
     task: Task,
     group: Group,
@@ -154,15 +172,17 @@ class _Finder:
         before: Sequence[State] = entering
         if not self.static and turn > 0:  # as they would enter the stage if only the wall before stood
             before = self._taken(plan.segments(self.task, turn - 1), entering, self.task.turns[turn - 1])[1]
-        found = []
+        tried: dict[Wall, tuple[float, list[State]]] = {}
         for wall in candidates(self.task, corner, self.how.grid):
-            longer = Plan(plan.task, plan.static, (*plan.walls, wall), plan.shares)
-            share, states = self._taken(longer.segments(self.task, turn), before, corner)
-            if share >= self.how.share:
-                found.append((share, wall.length_m, longer, states))
-        found.sort(key=lambda entry: (-entry[0], entry[1]))
+            tried[wall] = self._taken(self._longer(plan, wall).segments(self.task, turn), before, corner)
+        shares = {wall: share for wall, (share, _) in tried.items()}
+        found = sorted(
+            (wall for wall, share in shares.items() if share >= self.how.share),
+            key=lambda wall: (-steadiness(wall, shares, self.how.grid), wall),
+        )
         valid: list[tuple[float, Plan, Sequence[State]]] = []
-        for share, _, longer, states in found:
+        for wall in found:
+            (share, states), longer = tried[wall], self._longer(plan, wall)
             if len(valid) == self.how.breadth:
                 break
             on: Sequence[State] = states
@@ -174,6 +194,9 @@ class _Finder:
             if first >= self.how.share:
                 valid.append((share, Plan(plan.task, plan.static, longer.walls, (*plan.shares, share)), on))
         return valid
+
+    def _longer(self, plan: Plan, wall: Wall) -> Plan:
+        return Plan(plan.task, plan.static, (*plan.walls, wall), plan.shares)
 
     def _taken(self, walls: Floats, states: Sequence[State], corner: int) -> tuple[float, list[State]]:
         self._spend(len(states))

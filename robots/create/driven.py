@@ -10,8 +10,11 @@ from robots.create.fleet import Fleet
 from robots.create.model import Dimensions, spec
 
 
-def driven(dimensions: Dimensions, constants: tuple[str, ...]) -> Body:
-    """The body that the Create's code makes of those dimensions; `constants`: the modules that state them."""
+def driven(dimensions: Dimensions, constants: tuple[str, ...], marked: bool = True) -> Body:
+    """The body that the Create's code makes of those dimensions; `constants`: the modules that state them.
+
+    `marked`: whether others can tell it as a member.
+    """
     return Body(
         name=dimensions.name,
         radius=dimensions.radius,
@@ -23,4 +26,5 @@ def driven(dimensions: Dimensions, constants: tuple[str, ...]) -> Body:
         fleet=partial(Fleet, dimensions=dimensions),
         follow=partial(controller.follow, drive.recorded(dimensions.gear)),
         constants=constants,
+        marked=marked,
     )

@@ -23,7 +23,7 @@ from flocking.types import Floats, Ints
 from sensing.laser import planar, readings, scan, sweep
 from sensing.laser.draws import Draws
 from sensing.laser.slice import Slice, body_name, moving_body, owner_of, reference_pose, slice_at
-from sensing.types import Scan, ScanTruth
+from sensing.types import NOBODY, Scan, ScanTruth
 
 BEAMS = planar.BEAMS
 STEP_RAD = planar.STEP_RAD
@@ -134,8 +134,12 @@ class Lasers:
         sites: Sequence[str],
         roots: Sequence[int],
         parameters: Sequence[Parameters],
+        marked: Sequence[bool] = (),
     ) -> None:
-        """Raises InputError where a site is unknown, not level or not its robot's, where the lasers' heights
+        """`marked`: which robots can be told as members, by default all; in what the laser's truth says, the others are
+        parts of walls.
+
+        Raises InputError where a site is unknown, not level or not its robot's, where the lasers' heights
         differ, and where the plane cuts a geom that is no upright prism or has no reflectance (`slice_at`)."""
         if not len(sites) == len(roots) == len(parameters):
             raise InputError(
@@ -147,6 +151,7 @@ class Lasers:
         self.roots = tuple(int(root) for root in roots)
         ids = [_site_id(model, name) for name in sites]
         self.site_ids = tuple(ids)
+        self._unmarked = np.flatnonzero(~np.array(marked, dtype=np.bool_))
         data = reference_pose(model)
         heights = [float(data.site_xpos[site][2]) for site in ids]
         for site, height, root, k in zip(ids, heights, self.roots, range(len(ids)), strict=True):
@@ -282,6 +287,9 @@ class Lasers:
             self._own_way[k], source, shines, draws, light_draws, ranges, intensities, distances, owners, lit
         )
         self._expect_level(fallen)
+        if len(self._unmarked):
+            owners[np.isin(owners, self._unmarked)] = NOBODY
+            lit[self._unmarked] = 0
         reading = Scan(time, ANGLES, ranges, NO_INTENSITIES if intensity_draws is None else intensities)
         return reading, ScanTruth(owners, distances if exact else _NOTHING, lit)
 

@@ -10,7 +10,8 @@ member's centre. Member-based detection gives the mean of the facing surface, 0.
 radius (0.165 m) nearer and up to one radius to either side. A member of which 1/16 shows is an input here, while
 member-based detection wants its whole shape.
 
-The obstacles are the nearest point of each wall in range and in the field of view. Nothing hides them.
+The obstacles are the nearest point of each wall in range and in the field of view, which nothing hides, and of each robot
+in view that is not marked as a member.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ import numpy as np
 from flocking.angles import wrap
 from flocking.compilation import compiled
 from flocking.parameters import Parameter
-from flocking.types import Floats, Ints, Members, Obstacles, Own
+from flocking.types import Floats, Ints, Members, Obstacles, Own, only
 from sensing.types import Detection, Senses
 
 READS = frozenset({"truth"})
@@ -60,17 +61,26 @@ def detect(senses: Senses, own: Own, state: Parameters) -> tuple[Detection, Para
     truth = senses.truth
     assert truth is not None
     obstacles = _walls(truth.poses_w[truth.focal], truth.walls_w, float(state.field_of_view_rad), float(state.range_m))
-    members = _detect(
-        truth.poses_w,
-        truth.velocities_w,
-        truth.radii,
-        truth.focal,
-        truth.walls_w,
-        float(state.field_of_view_rad),
-        float(state.range_m),
-        bool(state.occlusion),
+    members = Members(
+        *_detect(
+            truth.poses_w,
+            truth.velocities_w,
+            truth.radii,
+            truth.focal,
+            truth.walls_w,
+            float(state.field_of_view_rad),
+            float(state.range_m),
+            bool(state.occlusion),
+        )
     )
-    return Detection(Members(*members), Obstacles(obstacles), NO_BEAMS), state
+    if truth.marked is None or truth.marked.all():
+        return Detection(members, Obstacles(obstacles), NO_BEAMS), state
+    known = truth.marked[members.ids]
+    others = only(members, np.flatnonzero(~known))
+    distances = np.hypot(*others.positions.T)
+    nearer = np.maximum(distances - truth.radii[others.ids], 0.0) / np.maximum(distances, 1e-9)
+    obstacles = np.concatenate([obstacles, others.positions * nearer[:, None]])
+    return Detection(only(members, np.flatnonzero(known)), Obstacles(obstacles), NO_BEAMS), state
 
 
 @compiled

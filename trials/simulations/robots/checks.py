@@ -14,7 +14,7 @@ from flocking.parameters import filled
 from flocking.types import Floats
 from sensing.laser import hokuyo
 from trials.simulations import judged, spread
-from trials.simulations.robots import information
+from trials.simulations.robots import guided, information
 from trials.simulations.robots.fields import (
     TOGETHER,
     GroupFields,
@@ -55,6 +55,7 @@ def check(trial: Trial) -> None:
         spread.check(trial, number, its.law_parameters._asdict())
     environment_of(trial)
     judged.check(trial, given.behaviour)
+    guided.check(trial, max(its.body.radius for its in groups))
 
 
 def check_start(trial: Trial) -> None:

@@ -12,6 +12,7 @@ from robots import body as bodies
 from sensing.laser import hokuyo
 from trials.rows import below
 from trials.simulations import judged
+from trials.simulations.robots import guided
 from trials.simulations.robots.knowledge import SOURCES
 from trials.types import Group, Trial, Value
 from worlds import formations, known
@@ -86,6 +87,10 @@ class TrialFields(NamedTuple):
         str,
         Parameter("", "a choice: what the trial is held against (docs/environments.md)", named=judged.names),
     ] = judged.NONE
+    task: Annotated[
+        str,
+        Parameter("", "Fine 2015, section 8.2: what the herd is guided through (docs/piloting.md)", named=guided.names),
+    ] = guided.NONE
 
 
 class JudgedFields(NamedTuple):

@@ -13,18 +13,20 @@ import numpy as np
 
 from flocking import lawentry
 from flocking.errors import InputError
-from flocking.types import Floats
+from flocking.types import Bools, Floats
 from robots import body as bodies
 from sensing import association
 from sensing.laser import hokuyo
 from sensing.types import PipelineState, WorldTruth
 from trials.simulations import spread
+from trials.simulations.robots import guided
 from trials.simulations.robots.checks import check, check_start, clock
 from trials.simulations.robots.fields import of_trial
 from trials.simulations.robots.knowledge import Knowledge
 from trials.simulations.robots.obstacle_stage import ObstacleStage
 from trials.simulations.robots.resolved import Resolved
 from trials.simulations.robots.robot import Robot
+from trials.simulations.robots.scenario import Guided
 from trials.simulations.robots.starts import starting_poses
 from trials.streams import Purpose, stream
 from trials.types import Group, Trial
@@ -42,9 +44,13 @@ class Herd:
     """(N,) of the robots, m."""
     silhouettes: Floats
     """(N,) of what a laser sees of them, m."""
+    marked: Bools
+    """(N,) which of them can be told as members."""
     timestep: float
     needs_truth: frozenset[int]
     """Robots whose pipeline reads global knowledge."""
+    scenario: Guided | None = None
+    """What happens besides."""
 
     def world_truth(self, k: int, poses_w: Floats) -> WorldTruth | None:
         """Global knowledge for robot k if its pipeline reads it."""
@@ -55,7 +61,8 @@ class Herd:
             self.world.fleet.velocities(self.world.data),
             self.silhouettes,
             k,
-            self.world.walls.all,
+            self.world.standing_w,
+            self.marked,
         )
 
 
@@ -72,7 +79,8 @@ def assemble(trial: Trial, record: bool) -> Herd:
     timestep = of_trial(trial).timestep_s
     poses_w = starting_poses(trial)
     bodies = [minds[g].its.given.body for g, _ in numbers]
-    world = build(trial.world, trial.world_parameters, bodies, names, poses_w, timestep, trial.world_source)
+    standing = guided.segments(trial)
+    world = build(trial.world, trial.world_parameters, bodies, names, poses_w, timestep, trial.world_source, standing)
     reads = [frozenset(minds[g].its.pipeline.READS) for g, _ in numbers]
     lasers = None
     carried = all("laser" in body.mounts for body in world.bodies)
@@ -82,6 +90,7 @@ def assemble(trial: Trial, record: bool) -> Herd:
             [f"{prefix(name)}{body.mount('laser').site}" for name, body in zip(names, world.bodies, strict=True)],
             [int(root) for root in world.fleet.root_bodies],
             [minds[g].its.laser for g, _ in numbers],
+            [body.marked for body in world.bodies],
         )
         if lasers.needs_history:
             world.observers.append(lasers.remember)
@@ -89,14 +98,20 @@ def assemble(trial: Trial, record: bool) -> Herd:
         _robot(trial, world, lasers, minds[g], g, k, index, reads[index], poses_w[index])
         for index, (g, k) in enumerate(numbers)
     ]
+
+    def tell(index: int, goal_w: Floats) -> None:
+        robots[index].knowledge.goal_w = goal_w
+
     return Herd(
         trial=trial,
         world=world,
         robots=robots,
         radii=np.array([body.radius for body in world.bodies]),
         silhouettes=np.array([body.silhouette_radius for body in world.bodies]),
+        marked=np.array([body.marked for body in world.bodies]),
         timestep=timestep,
         needs_truth=frozenset(i for i, r in enumerate(reads) if "truth" in r),
+        scenario=Guided(trial, world, tell) if guided.name_of(trial) != guided.NONE else None,
     )
 
 

@@ -14,7 +14,7 @@ from sensing import association
 from sensing.laser import hokuyo
 from trials.rows import Section, below, section
 from trials.simulations import judged, spread
-from trials.simulations.robots import fields
+from trials.simulations.robots import fields, guided
 from trials.simulations.robots.resolved import Resolved
 from trials.types import Group, Trial, with_setup
 from worlds import formations
@@ -31,6 +31,7 @@ def keys_of(trial: Trial, group: Group | None = None) -> list[Section]:
             section("world.", world.parameters, lambda: world.values(trial.world_parameters)),
             section(fields.FORMATION, formation, lambda: _all(formation, trial.formation_parameters)),
             *_judged(trial),
+            *_guided(trial),
         ]
     its = Resolved(group)
     law, pipeline, creates = its.law.Parameters, its.pipeline.Parameters, its.for_creates
@@ -48,9 +49,16 @@ def keys_of(trial: Trial, group: Group | None = None) -> list[Section]:
 
 
 def _of_trial(trial: Trial) -> dict[str, Any]:
-    """The values of a trial; its behaviour only where it has one."""
-    values = fields.of_trial(trial)._asdict()
-    return {key: value for key, value in values.items() if (key, value) != ("behaviour", judged.NONE)}
+    """The values of a trial; its behaviour and its task only where it has one."""
+    values, without = fields.of_trial(trial)._asdict(), {"behaviour": judged.NONE, "task": guided.NONE}
+    return {key: value for key, value in values.items() if without.get(key) != value}
+
+
+def _guided(trial: Trial) -> list[Section]:
+    """The section of the task that a trial has, if it has one."""
+    if fields.of_trial(trial).task == guided.NONE:
+        return []
+    return [section(guided.PREFIX, guided.Parameters, lambda: guided.parameters(trial)._asdict())]
 
 
 def _judged(trial: Trial) -> list[Section]:

@@ -38,6 +38,7 @@ def run_trial(trial: Trial, scans: str = "none", reraise: bool = False, folder: 
     Raises `InputError` for a trial that cannot be set up.
     """
     from trials.simulations.robots.measures import measure
+    from trials.simulations.robots.measures_guided import guidance
 
     if scans not in ("none", "some", "all"):
         raise InputError(f"scans {scans!r}: expected none, some or all")
@@ -69,9 +70,12 @@ def run_trial(trial: Trial, scans: str = "none", reraise: bool = False, folder: 
         reason=reason,
         timing={"build_s": built - started, "loop_s": finished - built},
     )
+    if herd.scenario is not None:
+        result = dataclasses.replace(result, tables=herd.scenario.tables())
     if len(result.times) == 0:
         return result
-    return dataclasses.replace(result, measures=measure(result) | _judged(result, given.behaviour))
+    guided = guidance(result) if herd.scenario is not None else {}
+    return dataclasses.replace(result, measures=measure(result) | _judged(result, given.behaviour) | guided)
 
 
 def _judged(result: TrialResult, behaviour: str) -> dict[str, float]:
@@ -104,6 +108,8 @@ def run(herd: Herd, log: Log, last: int) -> None:
             poses_tick, poses_w = tick, world.fleet.poses(data)
         if what == SAMPLE:
             _check(herd, poses_w)
+            if herd.scenario is not None:
+                herd.scenario.update(data.time, poses_w)
             log.sample(data.time, poses_w, world.fleet.odometry, world.fleet.bumpers)
             heapq.heappush(events, (tick + sample_every, SAMPLE, 0, None))
             continue

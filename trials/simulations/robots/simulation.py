@@ -9,7 +9,7 @@ from flocking import found
 from robots import body as bodies
 from trials.simulations import judged
 from trials.simulations.contract import Simulation
-from trials.simulations.robots import checks, fields, keys, worldfile
+from trials.simulations.robots import checks, fields, keys, measures_guided, worldfile
 from trials.simulations.robots.measures import ABOUT, HEADINGS, KEY_MEASURES
 from trials.types import Trial, TrialResult, with_setup
 from worlds import formations, known, start_poses
@@ -86,7 +86,7 @@ SIMULATION = Simulation(
     settled=keys.settled,
     run_trial=run_trial,
     record=record,
-    measures={**ABOUT, **judged.ABOUT},
+    measures={**ABOUT, **judged.ABOUT, **measures_guided.ABOUT},
     key_measures=KEY_MEASURES,
     limit_s=limit_s,
     moment=moment,

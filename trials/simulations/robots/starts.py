@@ -11,6 +11,7 @@ from flocking.errors import InputError
 from flocking.types import Floats
 from generation.environment import Environment
 from trials.rows import below
+from trials.simulations.robots import guided
 from trials.simulations.robots.fields import FORMATION, TOGETHER, environment_of, of_group
 from trials.streams import Purpose, stream
 from trials.types import Trial
@@ -23,10 +24,15 @@ def starting_poses(trial: Trial) -> Floats:
 
     The groups without a formation of their own share the trial's, in their order, put at the world's start; poses of a
     file stand where it says. A group's own formation is drawn from the group's own stream, turned by
-    `start_heading_deg` and put at `start_x_m`, `start_y_m`. Raises `InputError`.
+    `start_heading_deg` and put at `start_x_m`, `start_y_m`. Pilots stand along the walls that they hold first. Raises `InputError`.
     """
     given = [of_group(group) for group in trial.groups]
-    shared = sum(fields.count for fields in given if fields.formation == TOGETHER)
+    along_walls = [guided.stands_along_walls(trial, group) for group in trial.groups]
+    shared = sum(
+        fields.count
+        for fields, along in zip(given, along_walls, strict=True)
+        if fields.formation == TOGETHER and not along
+    )
     rng = stream(trial.seed, trial.repeat, 0, 0, Purpose.START)
     together = np.empty((0, 3))
     if start_poses.is_file(trial.formation):
@@ -36,6 +42,9 @@ def starting_poses(trial: Trial) -> Floats:
         together = starts.put_at_start(environment_of(trial), drawn)
     parts, placed = [], 0
     for number, (group, fields) in enumerate(zip(trial.groups, given, strict=True)):
+        if along_walls[number]:
+            parts.append(guided.pilot_starts(trial))
+            continue
         if fields.formation == TOGETHER:
             parts.append(together[placed : placed + fields.count])
             placed += fields.count

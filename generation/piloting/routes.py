@@ -1,0 +1,121 @@
+"""Routes of piloting robots: the shortest ways over a grid of the free space that keep clear of walls and of a herd.
+
+The document says where robots of a formation go and not how (Fine 2015, section 8.2). Here a robot plans by itself: the
+free space, cut into cells, is a graph in which the way into a cell costs its length, and more near the herd, so that a
+street with a herd in it is gone round rather than through. Dijkstra's algorithm finds the cheapest way.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from scipy import sparse
+from scipy.spatial.distance import cdist
+
+from flocking.types import Bools, Floats, Ints
+from generation.environment import Environment
+from generation.free_space import distance, in_solid
+
+CELL_M = 0.15
+"""Side of a cell. A choice: ten across a street of 1.5 m."""
+_NEIGHBOURS = ((1, 0), (0, 1), (1, 1), (1, -1))
+
+
+class Shyness(NamedTuple):
+    """How routes keep away from a herd."""
+
+    clear_m: float = 0.5
+    """Cells nearer than this to a member are closed. A choice: two radii of a Create, and half of one to spare."""
+    near_m: float = 1.0
+    """Distance at which the way has become `times` / e times as dear. A choice: beyond a Create's look-ahead."""
+    times: float = 20.0
+    """How many times as dear the way is beside a member. A choice: five blocks round rather than through."""
+
+
+@dataclass(frozen=True)
+class Ground:
+    """The free space of a workspace as cells for the centre of a robot."""
+
+    origin: Floats
+    """(2,) the centre of the first cell, m."""
+    free: Bools
+    """(X, Y) which cells a robot can stand in."""
+
+    @cached_property
+    def centres(self) -> Floats:
+        """(X, Y, 2) m."""
+        x, y = (np.arange(count) * CELL_M for count in self.free.shape)
+        return np.stack(np.meshgrid(x, y, indexing="ij"), axis=2) + self.origin
+
+    def cell(self, place: Floats) -> tuple[int, int]:
+        """The free cell nearest to a place (2,), m."""
+        apart = np.hypot(*(self.centres - place).transpose(2, 0, 1))
+        found = np.unravel_index(np.where(self.free, apart, math.inf).argmin(), apart.shape)
+        return int(found[0]), int(found[1])
+
+
+def ground(workspace: Environment, radius_m: float) -> Ground:
+    """The cells of a workspace in which a disc of that radius touches no wall."""
+    walls = workspace.walls()
+    ends = walls.reshape(-1, 2)
+    low, high = ends.min(axis=0), ends.max(axis=0)
+    shape = tuple(int(n) for n in np.ceil((high - low) / CELL_M) + 1)
+    cells = Ground(low, np.ones(shape, dtype=np.bool_))
+    places = cells.centres.reshape(-1, 2)
+    free = (distance(walls, places) >= radius_m) & ~in_solid(workspace, places)
+    return Ground(low, free.reshape(shape))
+
+
+def route(over: Ground, start: Floats, goal: Floats, herd: Floats, blocked: Floats, room_m: float,
+          shyness: Shyness = Shyness()) -> Floats:  # fmt: skip
+    """(K, 2) places from a start (2,) to a goal (2,), both included, m; (0, 2) where no way is open.
+
+    `herd` (M, 2): where members are; `blocked` (B, 2): what else stands in the way, which the robot keeps `room_m` off.
+    The cells of the start and of the goal, and those beside them, are open whoever stands there.
+    """
+    first, last = over.cell(start), over.cell(goal)
+    cost = np.where(over.free, 1.0, math.inf)
+    centres = over.centres.reshape(-1, 2)
+    if len(herd):
+        near = cdist(centres, herd).min(axis=1).reshape(cost.shape)
+        cost += shyness.times * np.exp(-((near / shyness.near_m) ** 2))
+        cost[near < shyness.clear_m] = math.inf
+    if len(blocked):
+        cost[cdist(centres, blocked).min(axis=1).reshape(cost.shape) < room_m] = math.inf
+    for x, y in (first, last):
+        around = (slice(max(x - 1, 0), x + 2), slice(max(y - 1, 0), y + 2))
+        cost[around] = np.where(over.free[around] & ~np.isfinite(cost[around]), shyness.times, cost[around])
+    cells = _cheapest(cost, first, last)
+    if len(cells) == 0:
+        return np.empty((0, 2))
+    way = over.centres[cells[:, 0], cells[:, 1]]
+    return np.concatenate([np.array([start]), way[1:-1], np.array([goal])])
+
+
+def _cheapest(cost: Floats, first: tuple[int, int], last: tuple[int, int]) -> Ints:
+    """(K, 2) cells of the cheapest way between two cells, both included; none where there is no way."""
+    number = np.arange(cost.size).reshape(cost.shape)
+    rows, columns, weights = [], [], []
+    for dx, dy in _NEIGHBOURS:
+        one = (slice(0, cost.shape[0] - dx), slice(max(0, -dy), cost.shape[1] - max(0, dy)))
+        other = (slice(dx, cost.shape[0]), slice(max(0, dy), cost.shape[1] + min(0, dy)))
+        weight = CELL_M * math.hypot(dx, dy) * (cost[one] + cost[other]) / 2.0
+        open_ = np.isfinite(weight)
+        rows.append(number[one][open_])
+        columns.append(number[other][open_])
+        weights.append(weight[open_])
+    pairs = (np.concatenate(rows), np.concatenate(columns))
+    graph = sparse.csr_matrix((np.concatenate(weights), pairs), shape=(cost.size, cost.size))
+    start, end = int(number[first]), int(number[last])
+    _, before = sparse.csgraph.dijkstra(graph, directed=False, indices=start, return_predecessors=True)
+    found = [end]
+    while found[-1] != start:
+        step = int(before[found[-1]])
+        if step < 0:
+            return np.empty((0, 2), dtype=np.int64)
+        found.append(step)
+    return np.stack(np.unravel_index(found[::-1], cost.shape), axis=1).astype(np.int64)

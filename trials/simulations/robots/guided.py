@@ -1,0 +1,164 @@
+"""A herd that is guided through a task (Fine 2015, section 8.2): `task` names it, `piloting.*` says by what it is guided.
+
+Walls stand all the time or as many as can be held at a time; or robots do, the group `pilots`, in formations along them.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import Annotated, NamedTuple
+
+import numpy as np
+
+from flocking.errors import InputError
+from flocking.parameters import Parameter, filled
+from flocking.types import Floats, Ints
+from generation.piloting import chain, formations
+from generation.piloting import plan as plans
+from generation.piloting import task as tasks
+from generation.piloting.plan import Plan
+from generation.piloting.routes import Ground, ground
+from generation.piloting.task import Task
+from trials.rows import below
+from trials.types import Group, Trial
+
+NONE = "none"
+PREFIX = "piloting."
+WALLS, PILOTS, NOTHING = GUIDES = ("walls", "pilots", "nothing")
+GROUP = "pilots"
+"""Name of the group of piloting robots; all others are guided."""
+
+
+class Parameters(NamedTuple):
+    """By what a herd is guided."""
+
+    guides: Annotated[
+        str,
+        Parameter(
+            "", "Fine 2015, section 8.2: walls, or robots in formations along them", published=True, choices=GUIDES
+        ),
+    ] = WALLS
+    walls: Annotated[
+        str,
+        Parameter(
+            "", "of each turn's wall the anchor, angle (deg) and length (m): found by herd plan", reads=plans.of_words
+        ),
+    ] = ""
+    at_once: Annotated[
+        int,
+        Parameter("walls", "a choice: as many as robots hold; 0 = all walls stand all the time", low=0, high=100),
+    ] = 0
+    robots_a_wall: Annotated[
+        int, Parameter("robots", "Fine 2015, section 8.2: a hand-tuned parameter", published=True, low=1, high=20)
+    ] = formations.ROBOTS_A_WALL
+    assignment: Annotated[
+        str,
+        Parameter(
+            "", "Fine 2015, section 8.2: by the Hungarian method; what it makes least", choices=formations.OBJECTIVES
+        ),
+    ] = formations.OBJECTIVES[0]
+    beyond_m: Annotated[
+        float,
+        Parameter("m", "a choice: way past a turn after which a member has cleared its wall", low=0.1, high=10.0),
+    ] = chain.BEYOND_M
+
+
+def names() -> list[str]:
+    """The tasks that a trial can have, and none."""
+    return [NONE, *tasks.names()]
+
+
+def name_of(trial: Trial) -> str:
+    """The task of a trial; none where it has none."""
+    return str(trial.setup.get("task", NONE))
+
+
+def parameters(trial: Trial) -> Parameters:
+    """A trial's parameters, filled in. Raises `InputError`."""
+    found: Parameters = filled(Parameters, below(trial.setup, PREFIX), prefix=PREFIX)
+    return found
+
+
+def task_of(trial: Trial) -> Task:
+    """The task of a trial that has one. Raises `InputError`."""
+    return _task(name_of(trial))
+
+
+@lru_cache(maxsize=64)
+def _task(name: str) -> Task:
+    return tasks.load(name)
+
+
+def plan_of(trial: Trial) -> Plan:
+    """The walls of a trial that has a task; none where nothing guides. Raises `InputError`."""
+    given = parameters(trial)
+    walls = plans.of_words(given.walls) if given.guides != NOTHING else ()
+    return Plan(name_of(trial), given.guides == WALLS and given.at_once == 0, walls)
+
+
+def segments(trial: Trial) -> Floats:
+    """(K, 4) the walls that rise and vanish in a trial, m: none where there is no task, or robots guide."""
+    if name_of(trial) == NONE or parameters(trial).guides != WALLS:
+        return np.empty((0, 4))
+    task = task_of(trial)
+    return np.array([wall.segment(task) for wall in plan_of(trial).walls]).reshape(-1, 4)
+
+
+def members(trial: Trial, pilots: bool) -> Ints:
+    """Indices of the robots that pilot, or of those that are guided."""
+    groups = [group.name == GROUP for group in trial.groups for _ in range(group.count)]
+    return np.flatnonzero(np.array(groups, dtype=np.bool_) == pilots)
+
+
+def stands_along_walls(trial: Trial, group: Group) -> bool:
+    """Whether a group of a trial starts along the walls that it holds, as pilots do."""
+    return group.name == GROUP and name_of(trial) != NONE
+
+
+def pilot_starts(trial: Trial) -> Floats:
+    """(R, 3) poses of the pilots at the start, along the walls that stand first, each looking along its wall.
+
+    Raises `InputError` where their number does not fit the walls.
+    """
+    given, task, plan = parameters(trial), task_of(trial), plan_of(trial)
+    count = len(members(trial, pilots=True))
+    places = formations.at_first(task, plan, count, given.robots_a_wall)
+    angles = [plan.walls[k].angle_deg for k in range(count // given.robots_a_wall)]
+    return np.column_stack([places, np.radians(np.repeat(angles, given.robots_a_wall))])
+
+
+@lru_cache(maxsize=64)
+def ground_of(name: str, radius_m: float) -> Ground:
+    """Where a robot of that radius can go in a task's workspace."""
+    return ground(_task(name).environment, radius_m)
+
+
+def check(trial: Trial, radius_m: float) -> None:
+    """Refuses a trial whose guides do not fit its task: `InputError`. `radius_m`: of a pilot."""
+    if name_of(trial) == NONE:
+        return
+    given, task, plan = parameters(trial), task_of(trial), plan_of(trial)
+    if given.guides == NOTHING:
+        return
+    if len(plan.walls) != len(task.turns):
+        raise InputError(
+            f"piloting.walls has {len(plan.walls)} walls, and {task.name} {len(task.turns)} turns; expected one a turn: "
+            f"herd plan {task.name} finds them"
+        )
+    for wall in plan.walls:
+        wall.segment(task)
+    pilots = len(members(trial, pilots=True))
+    if given.guides == WALLS:
+        if pilots:
+            raise InputError(f"piloting.guides = {WALLS!r} with a group {GROUP!r}; expected it without, or {PILOTS!r}")
+        return
+    formations.at_first(task, plan, pilots, given.robots_a_wall)
+    over = ground_of(task.name, radius_m)
+    for number, wall in enumerate(plan.walls, 1):
+        for place in formations.slots(wall.segment(task), given.robots_a_wall):
+            nearest = over.centres[over.cell(place)]
+            if np.hypot(*(nearest - place)) > radius_m:
+                raise InputError(
+                    f"wall {number} of {task.name} cannot be held by {given.robots_a_wall} robots: there is no room for "
+                    f"one at ({place[0]:.2f}, {place[1]:.2f}) m; expected a wall farther from others, or fewer robots"
+                )

@@ -1,0 +1,102 @@
+"""What happens in a trial of robots besides them: how far the herd has come, and the walls and pilots that follow it.
+
+At each sample the course of each guided robot is brought up to date. Once all of them that are still on their course
+have cleared a wall, the next stage begins: walls rise and vanish, or pilots are sent where they are wanted next.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from flocking.types import Floats
+from generation.piloting import course, formations
+from generation.piloting.pilots import Pilots
+from trials.simulations.robots import guided
+from trials.types import Trial
+from worlds.assemble import World
+
+
+class Guided:
+    """A herd that is guided through a task."""
+
+    def __init__(
+        self, trial: Trial, world: World, tell: Callable[[int, Floats], None], cleared: Callable[[], bool] | None = None
+    ) -> None:
+        """`tell`: gives a pilot, by its index, a new goal (2,), m. `cleared`: says that a wall has been cleared, in
+        place of the herd's course: who watches, as in the document."""
+        self.given, self.task, self.plan = guided.parameters(trial), guided.task_of(trial), guided.plan_of(trial)
+        self.world, self.tell, self.cleared = world, tell, cleared
+        self.herd, self.pilots = guided.members(trial, pilots=False), guided.members(trial, pilots=True)
+        self.passed = 0
+        """Walls that have been cleared."""
+        self.stages: list[tuple[float, float]] = []
+        """When each stage began, and when its pilots had arrived (nan: not yet), s."""
+        self.rows: list[tuple[float, float, float, float, float, float]] = []
+        """Walls that stood: from, to (nan: to the end), x0, y0, x1, y1."""
+        self._leg, self._astray = np.zeros(len(self.herd), np.int64), np.zeros(len(self.herd), np.bool_)
+        self._held: dict[int, Any] = {}
+        self._drivers: Pilots | None = None
+        if self.given.guides == guided.PILOTS:
+            radius = max(world.bodies[k].radius for k in self.pilots)
+            self._drivers = Pilots(guided.ground_of(self.task.name, radius), len(self.pilots))
+
+    def update(self, time: float, poses_w: Floats) -> None:
+        """Brings everything up to date with where robots are: poses (N, 3) at that time, s."""
+        places = poses_w[self.herd, :2]
+        of = course.course(self.task, places[None], self._leg, self._astray)
+        self._leg, self._astray = of.leg[0], of.astray[0]
+        if not self.stages:
+            self._begin(time, poses_w)
+        elif self.passed < len(self.plan.walls) and self._is_cleared(places, of):
+            self.passed += 1
+            self._begin(time, poses_w)
+        if self._drivers is not None:
+            self._drive(time, poses_w)
+
+    def tables(self) -> dict[str, Floats]:
+        """What is kept of it: `stages` (S, 2) and `standing` (E, 6), as the lists above."""
+        return {"stages": np.array(self.stages).reshape(-1, 2), "standing": np.array(self.rows).reshape(-1, 6)}
+
+    def _is_cleared(self, places: Floats, of: course.Course) -> bool:
+        if self.cleared is not None:
+            return self.cleared()
+        through = course.passed(self.task, places[None], of, self.task.turns[self.passed], self.given.beyond_m)[0]
+        return bool(through.any() and (through | self._astray).all())
+
+    def _begin(self, time: float, poses_w: Floats) -> None:
+        """The next stage: what is to stand from now on."""
+        self.stages.append((time, time if self._drivers is None else np.nan))
+        if self.given.guides == guided.WALLS:
+            self._raise_walls(time)
+        elif self._drivers is not None:
+            held = formations.change(
+                self.task, self.plan, self.passed, poses_w[self.pilots, :2], self._held,
+                self.given.robots_a_wall, self.given.assignment,  # type: ignore[arg-type]
+            )  # fmt: skip
+            self._held = held.walls
+            self._drivers.send(held.moving, held.places)
+
+    def _raise_walls(self, time: float) -> None:
+        standing, data = self.world.standing, self.world.data
+        wanted = self.plan.standing(self.passed, self.given.at_once or None)
+        for k in range(len(standing.segments)):
+            if standing.up[k] == (k in wanted):
+                continue
+            standing.put(data, k, k in wanted)
+            if k in wanted:
+                self.rows.append((time, np.nan, *standing.segments[k].tolist()))
+            else:
+                ended = [row[2:] for row in self.rows].index(tuple(standing.segments[k].tolist()))
+                self.rows[ended] = (self.rows[ended][0], time, *self.rows[ended][2:])
+
+    def _drive(self, time: float, poses_w: Floats) -> None:
+        assert self._drivers is not None
+        places = poses_w[self.pilots, :2]
+        for k, target in zip(self.pilots, self._drivers.targets(time, places, poses_w[self.herd, :2]), strict=True):
+            self.tell(int(k), target)
+        began, stood = self.stages[-1]
+        if np.isnan(stood) and self._drivers.arrived(places).all():
+            self.stages[-1] = (began, time)
