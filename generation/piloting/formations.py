@@ -18,11 +18,10 @@ from scipy.spatial.distance import cdist
 
 from flocking.errors import InputError
 from flocking.types import Floats, Ints
-from generation.piloting.plan import Plan
+from generation.free_space import distance
+from generation.piloting.plan import ROBOTS_A_WALL, Plan
 from generation.piloting.task import Task
 
-ROBOTS_A_WALL = 3
-"""Fine 2015, section 8.2."""
 Objective = Literal["total", "largest"]
 OBJECTIVES: tuple[Objective, ...] = ("total", "largest")
 """What is least over all ways of robots to their places: the sum, or the longest."""
@@ -45,6 +44,13 @@ def slots(segment: Floats, robots: int = ROBOTS_A_WALL) -> Floats:
         raise InputError(f"{robots} robots a wall; expected at least 1")
     parts = (np.arange(robots) + 0.5) / robots
     return np.asarray(segment[:2] + parts[:, None] * (segment[2:] - segment[:2]), dtype=np.float64)
+
+
+def has_room(walls: Floats, segment: Floats, robots: int, radius_m: float) -> bool:
+    """Whether robots of that radius can stand along a wall (4,) without touching one another or other walls (W, 4)."""
+    places = slots(segment, robots)
+    apart = float(np.hypot(*(segment[2:] - segment[:2]))) / robots
+    return (robots == 1 or apart > 2.0 * radius_m) and bool((distance(walls, places) > radius_m).all())
 
 
 def assigned(places: Floats, targets: Floats, objective: Objective = "total") -> Ints:

@@ -17,6 +17,9 @@ from generation.piloting.task import Task
 from generation.workspaces import wall
 
 FORMAT = 1
+FOLDER = Path(__file__).parent / "plans"
+ROBOTS_A_WALL = 3
+"""Fine 2015, section 8.2."""
 AT_ONCE = 2
 """Walls that stand at a time where they change: six pilots hold two walls of three (Fine 2015, section 8.2)."""
 
@@ -72,6 +75,14 @@ def to_json(plan: Plan, told: dict[str, Any] | None = None) -> str:
     walls = [{**wall._asdict(), "share": share} for wall, share in _paired(plan)]
     data = {"format": FORMAT, "task": plan.task, "static": plan.static, "walls": walls, "found": told or {}}
     return json.dumps(data, indent=1) + "\n"
+
+
+def shipped(task: str) -> Plan:
+    """The plan that comes with a task of that name. Raises `InputError` where none does."""
+    known = sorted(path.stem for path in FOLDER.glob("*.json"))
+    if task not in known:
+        raise InputError(f"task {task} comes without a plan (those with one: {', '.join(known)}): herd plan makes one")
+    return read(FOLDER / f"{task}.json")
 
 
 def words(walls: Sequence[Wall]) -> str:

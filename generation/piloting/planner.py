@@ -23,7 +23,8 @@ from generation.free_space import crossed
 from generation.group import Group
 from generation.piloting import chain
 from generation.piloting.chain import State
-from generation.piloting.plan import Plan, Wall
+from generation.piloting.formations import has_room
+from generation.piloting.plan import ROBOTS_A_WALL, Plan, Wall
 from generation.piloting.task import Task
 
 
@@ -31,8 +32,12 @@ class Grid(NamedTuple):
     """The walls that are tried at a turn."""
 
     angle_step_deg: float = 15.0
-    lengths_m: tuple[float, ...] = (0.75, 1.06, 1.5, 2.12)
-    """Half of a street of 1.5 m, half of its crossing's diagonal, the street, and the diagonal. A choice."""
+    lengths_m: tuple[float, ...] = (1.06, 1.5, 2.12)
+    """Half of the diagonal of a crossing of streets 1.5 m wide, the street, and the diagonal. A choice."""
+    robots: int = ROBOTS_A_WALL
+    """Walls along which so many robots have no room are left out: they are to be held by robots as well."""
+    radius_m: float = 0.165
+    """Of such a robot: a Create's."""
     reach_m: float = 1.3
     """Farthest anchors from the turn, and farthest from it that a wall may end."""
 
@@ -45,6 +50,8 @@ class Search(NamedTuple):
     """Herds by which each wall is validated."""
     share: float = 0.95
     """Share of their members that have to make a turn for its wall to be valid. A choice."""
+    whole: float = 0.9
+    """Share of the members of as many new herds that a whole plan has to guide to the goal. A choice."""
     breadth: int = 6
     """Valid walls of a turn that are gone on from, the best first."""
     budget: int = 100_000
@@ -74,7 +81,7 @@ class BudgetSpentError(InputError):
 
 
 def candidates(task: Task, corner: int, grid: Grid) -> list[Wall]:
-    """The walls of a grid at a corner of the trajectory, that lie in the workspace's free space.
+    """The walls of a grid at a corner of the trajectory, that lie in the workspace's free space and can be held.
 
     Walls that are the same segment from either of their ends are tried once.
     """
@@ -90,6 +97,8 @@ def candidates(task: Task, corner: int, grid: Grid) -> list[Wall]:
             end = segment[2:]
             middle = segment[:2] + 1e-6 * (end - segment[:2]), segment[:2] + (1.0 - 1e-6) * (end - segment[:2])
             if np.hypot(*(end - at)) > grid.reach_m or crossed(walls, middle[0], middle[1][None])[0]:
+                continue
+            if not has_room(walls, segment, grid.robots, grid.radius_m):
                 continue
             ends = sorted((tuple(segment[:2].round(3)), tuple(end.round(3))))
             found.setdefault((*ends[0], *ends[1]), wall)
@@ -118,17 +127,19 @@ def search(
     how: Search = USUAL,
     static: bool = False,
     progress: Progress | None = None,
+    begun: Plan | None = None,
 ) -> Plan:
     """A plan whose walls guide new herds to the goal, at least by the share that is asked for.
 
-    `step_m`: way of a member in an iteration. Raises `BudgetSpentError` where the budget is spent, and `InputError`
+    `step_m`: way of a member in an iteration. `begun`: a partial plan, with whose walls it begins. Raises `BudgetSpentError` where the budget is spent, and `InputError`
     where the grid is: `progress.best` is then the longest chain of valid walls.
     """
     progress = progress or Progress()
     states = chain.starts(task, group.count, how.starts, how.seed, how.side_m, how.apart_m)
     fresh = chain.starts(task, group.count, how.starts, how.seed + 1, how.side_m, how.apart_m)
     finder = _Finder(task, group, step_m, how, static, progress, fresh)
-    for plan in finder.chains(Plan(task.name, static, ()), states):
+    first = begun if begun is not None else Plan(task.name, static, ())
+    for plan in finder.chains(first, finder.entering(first, states)):
         return plan
     best = progress.best
     raise InputError(
@@ -147,6 +158,13 @@ class _Finder:
     progress: Progress
     fresh: Sequence[State]
 
+    def entering(self, plan: Plan, states: Sequence[State]) -> Sequence[State]:
+        """Herds as `chains` takes them beside a plan, of herds at their start."""
+        for k in range(len(plan.walls) if self.static else len(plan.walls) - 1):
+            until = Plan(plan.task, plan.static, plan.walls[: k + 1 if self.static else k + 2])
+            states = self._taken(until.segments(self.task, k), states, self.task.turns[k])[1]
+        return states
+
     def chains(self, plan: Plan, entering: Sequence[State]) -> Iterator[Plan]:
         """Whole plans that begin with this one, the best first.
 
@@ -155,8 +173,7 @@ class _Finder:
         """
         turn = len(plan.walls)
         if turn == len(self.task.turns):
-            whole = self._stages(plan)
-            if whole >= self.how.share:
+            if self._stages(plan) >= self.how.whole:
                 yield plan
             return
         for share, longer, states in self._ranked(plan, entering)[: self.how.breadth]:

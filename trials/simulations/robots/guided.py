@@ -153,12 +153,10 @@ def check(trial: Trial, radius_m: float) -> None:
             raise InputError(f"piloting.guides = {WALLS!r} with a group {GROUP!r}; expected it without, or {PILOTS!r}")
         return
     formations.at_first(task, plan, pilots, given.robots_a_wall)
-    over = ground_of(task.name, radius_m)
+    walls = task.environment.walls()
     for number, wall in enumerate(plan.walls, 1):
-        for place in formations.slots(wall.segment(task), given.robots_a_wall):
-            nearest = over.centres[over.cell(place)]
-            if np.hypot(*(nearest - place)) > radius_m:
-                raise InputError(
-                    f"wall {number} of {task.name} cannot be held by {given.robots_a_wall} robots: there is no room for "
-                    f"one at ({place[0]:.2f}, {place[1]:.2f}) m; expected a wall farther from others, or fewer robots"
-                )
+        if not formations.has_room(walls, wall.segment(task), given.robots_a_wall, radius_m):
+            raise InputError(
+                f"wall {number} of {task.name}, {wall.length_m:g} m long, has no room for {given.robots_a_wall} robots of "
+                f"{2.0 * radius_m:g} m beside one another and beside other walls; expected a longer wall, or fewer robots"
+            )

@@ -1,0 +1,55 @@
+"""Moments of guided trials as small maps (figures 8.6 to 8.10 of Fine 2015)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from generation.piloting import task as tasks
+from trials.reports import figures as draw
+from trials.simulations.robots import guided
+from trials.types import TrialResult
+
+GUIDED, GUIDING, WALL = "#009e73", "#d55e00", "#f0c000"
+
+
+def snapshots(task: str, rows: Sequence[tuple[str, TrialResult]], moments: int) -> Any:
+    """A canvas with a row of moments for each of the results, at equal times from the start to the end of what moves."""
+    canvas, axes = draw.grid(len(rows) * moments, moments, width=2.2 * moments, height=2.2 * len(rows))
+    for line, (label, result) in enumerate(rows):
+        times = np.linspace(0.0, _last(result), moments)
+        for k, time in enumerate(times):
+            axis = axes[line * moments + k]
+            moment(axis, task, result, time)
+            axis.set_title(f"{label}, {time:.0f} s" if k == 0 else f"{time:.0f} s", loc="left", fontsize=7)
+    return canvas
+
+
+def moment(axis: Any, task: str, result: TrialResult, time: float) -> None:
+    """Draws where all robots and walls are at a time, s, and the herd's ways so far."""
+    found = tasks.load(task)
+    for wall in result.walls_w:
+        axis.plot(wall[[0, 2]], wall[[1, 3]], color="#888888", lw=0.6)
+    axis.plot(*found.trajectory.T, ":", color="black", lw=0.8)
+    axis.fill(*found.goal.T, color="#009e73", alpha=0.15, lw=0.0)
+    for began, ended, *segment in result.tables["standing"]:
+        if began <= time and not ended <= time:
+            axis.plot(segment[::2], segment[1::2], color=WALL, lw=2.0)
+    now = int(np.searchsorted(result.times, time).clip(0, len(result.times) - 1))
+    for pilots, colour in ((False, GUIDED), (True, GUIDING)):
+        members = guided.members(result.trial, pilots)
+        ways = result.poses_w[: now + 1, members, :2]
+        axis.plot(ways[..., 0], ways[..., 1], color=colour, lw=0.4, alpha=0.6)
+        axis.plot(*ways[-1].T, "o", color=colour, ms=2.6, mew=0.0)
+    axis.set_aspect("equal")
+    axis.set_xticks([])
+    axis.set_yticks([])
+
+
+def _last(result: TrialResult) -> float:
+    """When the last stage had begun and the herd had its time to arrive, s; the trial's end at the latest."""
+    stages = result.tables["stages"]
+    left = 30.0
+    return float(min(result.times[-1], stages[-1, 0] + left)) if len(stages) else float(result.times[-1])
