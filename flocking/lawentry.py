@@ -6,13 +6,9 @@ kinematic herd's kernel can both be handed any of them.
 
 from __future__ import annotations
 
-import ast
 import hashlib
 import importlib.util
-import os
-import stat
 import sys
-import tempfile
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cache
@@ -22,8 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from flocking import found, users_files
-from flocking.compilation import cache_folder
+from flocking import found, lawsource
 from flocking.errors import InputError, StorageError
 from flocking.found import is_path
 from flocking.freshness import constants, foreign
@@ -192,37 +187,6 @@ def packed_own(own: Own) -> Floats:
     return np.array([*velocity, turn_rate, compass, *goal, *contacts, *rest], dtype=np.float64)
 
 
-def names() -> list[str]:
-    """Names of the laws that come with the project."""
-    return sorted(found.modules("flocking.laws"))
-
-
-MOST_BYTES = 1_000_000
-"""Of a user's law file: some hundred times what the longest of the project's has."""
-
-
-def read_source(path: str) -> str:
-    """The text of a user's law file; `InputError` if it cannot be read."""
-    try:
-        path.encode()
-        found = os.stat(path)
-        if not stat.S_ISREG(found.st_mode):
-            raise InputError(f"law file {path!r} is no file; expected a Python file")
-        if found.st_size > MOST_BYTES:
-            raise InputError(f"law file {path!r} has {found.st_size} bytes; expected at most {MOST_BYTES}")
-        return Path(path).read_text(encoding="utf-8")
-    except UnicodeEncodeError:
-        raise InputError(f"law file {path!a}: expected a name in UTF-8") from None
-    except InputError:
-        raise
-    except FileNotFoundError:
-        raise InputError(
-            f"law file {path!r} does not exist; expected a Python file or one of {', '.join(names())}"
-        ) from None
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"law file {path!r} cannot be read: {error}") from None
-
-
 _known: dict[str, ModuleType] = {}
 """By its text: what a user's law declares, without its function."""
 
@@ -239,8 +203,8 @@ def module_of(name: str, source: str = "") -> ModuleType:
     """
     if not is_path(name):
         return _named(name)
-    source = source or read_source(name)
-    return _known[source] if source in _known else _imported(name, source)[0]
+    source = source or lawsource.read_source(name)
+    return _known[source] if source in _known else lawsource.executed(name, source)[0]
 
 
 @cache
@@ -299,7 +263,7 @@ def load(name: str, source: str = "") -> Law:
     Raises `InputError` naming the file and what is wrong with it.
     """
     if is_path(name):
-        return _load_source(name, source or read_source(name))
+        return _load_source(name, source or lawsource.read_source(name))
     return _load_named(name.replace("_", "-"))
 
 
@@ -312,41 +276,8 @@ def _load_named(name: str) -> Law:
 
 @cache
 def _load_source(name: str, source: str) -> Law:
-    module, path = _imported(name, source)
+    module, path = lawsource.executed(name, source)
     return _compile(name, module, path, boundscheck=True)
-
-
-def _imported(name: str, source: str) -> tuple[ModuleType, Path]:
-    if not users_files.are_executed():
-        raise InputError(f"law file {name!r}: this process does not execute it, and does not know what it declares")
-    return _executed(name, source)
-
-
-@cache
-def _executed(name: str, source: str) -> tuple[ModuleType, Path]:
-    try:
-        ast.parse(source)
-    except SyntaxError as error:
-        raise InputError(f"law file {name!r} does not parse: line {error.lineno}: {error.msg}") from None
-    except ValueError as error:
-        raise InputError(f"law file {name!r} does not parse: {error}") from None
-    stem = f"user_law_{hashlib.sha256(source.encode()).hexdigest()[:16]}"
-    path = _written(stem, source)
-    spec = importlib.util.spec_from_file_location(stem, path)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[stem] = module
-    try:
-        spec.loader.exec_module(module)
-    except StorageError:
-        raise
-    except Exception as error:
-        raise InputError(f"law file {name!r} cannot be imported: {_first_line(error)}") from None
-    for wanted in ("law", "Parameters"):
-        if not callable(getattr(module, wanted, None)):
-            raise InputError(f"law file {name!r} lacks {wanted}; expected law(...) and Parameters, see flocking/laws")
-    return module, path
 
 
 def _compile(name: str, module: ModuleType, path: Path, *, boundscheck: bool) -> Law:
@@ -374,7 +305,7 @@ def _compile(name: str, module: ModuleType, path: Path, *, boundscheck: bool) ->
         except StorageError:
             raise
         except Exception as error:
-            raise InputError(f"law {name!r} does not compile: {_first_line(error)}") from None
+            raise InputError(f"law {name!r} does not compile: {lawsource.first_line(error)}") from None
     return Law(
         name=name,
         module=module,
@@ -400,7 +331,7 @@ def _entry(module: ModuleType, path: Path, values: str, boundscheck: bool, alloc
         cached=not foreign(source),
     )
     digest = hashlib.sha256((text + source + constants(module)).encode()).hexdigest()[:16]
-    entry_path = _written(f"entry_{path.stem}_{digest}", text)
+    entry_path = lawsource.written(f"entry_{path.stem}_{digest}", text)
     spec = importlib.util.spec_from_file_location(entry_path.stem, entry_path)
     assert spec is not None
     assert spec.loader is not None
@@ -409,34 +340,3 @@ def _entry(module: ModuleType, path: Path, values: str, boundscheck: bool, alloc
     spec.loader.exec_module(generated)
     entry: Callable[..., None] = generated.entry
     return entry
-
-
-def _written(stem: str, text: str) -> Path:
-    """`text` as stem.py in the cache folder, written once: Numba's cache goes by the file's time.
-
-    Raises `StorageError` if the disk does not take it.
-    """
-    folder = cache_folder() / "laws"
-    path = folder / f"{stem}.py"
-    try:
-        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-        if path.exists() and path.read_bytes() == text.encode():
-            return path
-        handle, temporary = tempfile.mkstemp(dir=folder, suffix=".tmp")
-        try:
-            with os.fdopen(handle, "wb") as file:
-                file.write(text.encode())
-            os.replace(temporary, path)
-        except BaseException:
-            os.unlink(temporary)
-            raise
-    except OSError as error:
-        raise StorageError(f"cannot write {path}: {error.strerror or error}") from error
-    return path
-
-
-def _first_line(error: Exception) -> str:
-    """The most telling line of an error; Numba puts it after its headings."""
-    lines = [line.strip() for line in str(error).splitlines() if line.strip()]
-    telling = [line for line in lines if not line.startswith(("Failed in", "During", "File", "def ", "<source"))]
-    return (telling or lines or [type(error).__name__])[0]

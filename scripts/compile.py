@@ -12,7 +12,7 @@ import argparse
 import importlib
 from collections.abc import Callable
 
-from flocking import lawentry
+from flocking import lawentry, lawsource
 
 
 def kernel() -> None:
@@ -22,7 +22,7 @@ def kernel() -> None:
 
 def laws() -> None:
     """Every law that comes with the project."""
-    for name in lawentry.names():
+    for name in lawsource.names():
         lawentry.load(name)
 
 

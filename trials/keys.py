@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from flocking import lawentry, selection
+from flocking import lawentry, lawsource, selection
 from flocking.errors import InputError, unknown_name
 from flocking.parameters import Parameter, checked, declared
 from trials import simulations
@@ -143,7 +143,7 @@ def _with_law(group: Group, value: str) -> Group:
     """Another law, without parameters; a `+` behind its name adds the avoidance of obstacles that all laws share."""
     name = value.removesuffix(AVOIDS)
     if lawentry.is_path(name):
-        law, source = name, lawentry.read_source(name)
+        law, source = name, lawsource.read_source(name)
     else:
         lawentry.module_of(name)
         law, source = name.replace("_", "-"), ""

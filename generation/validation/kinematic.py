@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from flocking import avoidance, lawentry
+from flocking import avoidance, lawentry, lawsource
 from flocking.kinematic.bands import Band
 from flocking.kinematic.many import Start, positions_of
 from flocking.types import Floats
@@ -127,5 +127,5 @@ class KinematicGroup:
 
 def kinematic(law: str, count: int, dt_s: float = 1.0, **given: Any) -> KinematicGroup:
     """A group of one law; `given`: fields of `Members`. The text of a user's own law file is read. `InputError`."""
-    source = lawentry.read_source(law) if lawentry.is_path(law) else ""
+    source = lawsource.read_source(law) if lawentry.is_path(law) else ""
     return KinematicGroup((Members(law, count, law_source=source, **given),), dt_s)

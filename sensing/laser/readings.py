@@ -21,11 +21,8 @@ from sensing.laser.planar import (
     Places,
     Shapes,
     at_beam,
-    away,
-    cosine_of_incidence,
-    slope,
-    turn_to_end,
 )
+from sensing.laser.surfaces import away, cosine_of_incidence, slope, turn_to_end
 from sensing.types import NOBODY
 
 FARTHEST_M = 5.6

@@ -13,7 +13,7 @@ import numba
 import pytest
 from numba.core.caching import IndexDataCacheFile
 
-from flocking import compilation, lawentry
+from flocking import compilation, lawsource
 from flocking.compiled_cache import kept_between_runs
 from flocking.errors import InputError, StorageError
 
@@ -64,24 +64,24 @@ def test_a_full_disk_is_told_as_such(folder: Path, monkeypatch: pytest.MonkeyPat
 
 
 def test_a_full_disk_below_a_law_is_told_as_such(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(lawentry, "cache_folder", lambda: tmp_path)
+    monkeypatch.setattr(lawsource, "cache_folder", lambda: tmp_path)
 
     def full(source: object, target: object) -> None:
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
     monkeypatch.setattr(os, "replace", full)
     with pytest.raises(StorageError, match="No space left on device"):
-        lawentry._written("entry", "law = 1\n")
+        lawsource.written("entry", "law = 1\n")
     assert list((tmp_path / "laws").iterdir()) == []
 
 
 def test_a_generated_file_cut_short_is_written_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(lawentry, "cache_folder", lambda: tmp_path)
-    path = lawentry._written("entry", "law = 1\n")
+    monkeypatch.setattr(lawsource, "cache_folder", lambda: tmp_path)
+    path = lawsource.written("entry", "law = 1\n")
     written = path.stat().st_mtime_ns
-    assert lawentry._written("entry", "law = 1\n").stat().st_mtime_ns == written
+    assert lawsource.written("entry", "law = 1\n").stat().st_mtime_ns == written
     path.write_text("la")
-    assert lawentry._written("entry", "law = 1\n").read_text() == "law = 1\n"
+    assert lawsource.written("entry", "law = 1\n").read_text() == "law = 1\n"
 
 
 @pytest.fixture

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from flocking import lawdata, lawentry, users_files
+from flocking import lawdata, lawentry, lawsource, users_files
 from flocking.errors import InputError
 from flocking.parameters import declared, filled
 
@@ -33,7 +33,7 @@ def law(own, members, sets, obstacles, parameters, memory, u):
 '''
 
 
-@pytest.mark.parametrize("name", lawentry.names())
+@pytest.mark.parametrize("name", lawsource.names())
 def test_what_a_law_declares_comes_back(name: str) -> None:
     module = lawentry.module_of(name)
     again = lawdata.from_data(name, json.loads(json.dumps(lawdata.as_data(name, module))))

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from flocking import lawentry, selection
+from flocking import lawentry, lawsource, selection
 from flocking.errors import InputError
 from flocking.lawentry import Law
 from flocking.parameters import Relation, declared
@@ -31,7 +31,7 @@ from tests.flocking.law_worlds import (
     transformed,
 )
 
-LAWS = lawentry.names()
+LAWS = lawsource.names()
 AXIS, CHIRAL = (
     {name for name in LAWS if getattr(lawentry.module_of(name), mark, False)} for mark in ("AXIS", "CHIRAL")
 )

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from flocking import lawentry
+from flocking import lawentry, lawsource
 from flocking.taxonomy import Taxonomy, Validation
 
 PRINTED = tomllib.loads((Path(__file__).parent / "published_tables.toml").read_text(encoding="utf-8"))
@@ -39,12 +39,12 @@ def test_table_3_4(law: str, cells: list[str]) -> None:
 def test_each_law_has_a_row_in_both_tables_or_a_reason_why_not() -> None:
     for printed in (REQUIREMENTS, VALIDATION):
         found = [law for law, _ in rows(printed)]
-        assert sorted({*found, *WITHOUT_ROW}) == lawentry.names()
+        assert sorted({*found, *WITHOUT_ROW}) == lawsource.names()
         assert not set(found) & set(WITHOUT_ROW)
         twice = {law for law, count in Counter(found).items() if count > 1}
         assert twice == {"szabo"}  # one rule of two publications, whose rows are alike
     assert {row[0] for row in [*REQUIREMENTS, *VALIDATION]} == set(LAWS)
-    said = {law: getattr(lawentry.module_of(law), "NO_ROW", "") for law in lawentry.names()}
+    said = {law: getattr(lawentry.module_of(law), "NO_ROW", "") for law in lawsource.names()}
     assert {law for law, reason in said.items() if reason} == set(WITHOUT_ROW)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from flocking import lawentry, obstacle_selection, selection
+from flocking import lawentry, lawsource, obstacle_selection, selection
 from flocking.errors import InputError
 from flocking.parameters import declared
 from flocking.types import Obstacles
@@ -62,7 +62,7 @@ def test_a_parameter_in_place_of_a_number_is_checked_when_it_is_known() -> None:
         selection.resolved(steps, {"near_m": 2.0, "far_m": 1.0})
 
 
-@pytest.mark.parametrize("name", lawentry.names())
+@pytest.mark.parametrize("name", lawsource.names())
 def test_every_laws_own_selections_hold_with_its_values(name: str) -> None:
     law = lawentry.module_of(name)
     for given in ({}, getattr(law, "CREATE", {})):

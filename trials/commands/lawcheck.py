@@ -42,9 +42,9 @@ def check(path: str) -> None:
 
     Raises `InputError` naming the file, and the member or the situation, if the law cannot be used.
     """
-    from flocking import lawentry
+    from flocking import lawentry, lawsource
 
-    source = lawentry.read_source(path)
+    source = lawsource.read_source(path)
     process = subprocess.Popen(
         [sys.executable, "-m", "trials.commands.lawcheck", path],
         stdout=subprocess.PIPE,
@@ -136,9 +136,9 @@ def situations() -> dict[str, np.ndarray]:
 
 def try_out(path: str) -> None:
     """Runs in the separate process: prints each stage as it begins, and raises `InputError` at the first fault."""
-    from flocking import lawdata, lawentry
+    from flocking import lawdata, lawentry, lawsource
 
-    source = lawentry.read_source(path)
+    source = lawsource.read_source(path)
     module = lawentry.module_of(path, source)
     values = _values(module, path)
     calls = [call for parameters in values for call in _calls(module, parameters, path)]

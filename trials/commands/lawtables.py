@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from types import ModuleType
 from typing import NamedTuple
 
-from flocking import lawentry, selection
+from flocking import lawentry, lawsource, selection
 from flocking.parameters import declared
 from flocking.perception import Step
 from flocking.taxonomy import Filled, Taxonomy, Validation
@@ -71,7 +71,7 @@ class Table(NamedTuple):
 
 def tables(names: Sequence[str] = ()) -> list[Table]:
     """Tables 3.2 and 3.4 of Fine 2015 for the laws that there are, and what their files filled in."""
-    laws = {name: lawentry.module_of(name) for name in names or lawentry.names()}
+    laws = {name: lawentry.module_of(name) for name in names or lawsource.names()}
     return [
         Table(
             "Table 3.2: what a law requires of its members",
@@ -102,7 +102,7 @@ def filled_in(law: ModuleType) -> tuple[Filled, ...]:
 
 def remarks(names: Sequence[str] = ()) -> str:
     """Why the rows of some laws are ours, and what else their files say of their rows; a line each."""
-    laws = {name: lawentry.module_of(name) for name in names or lawentry.names()}
+    laws = {name: lawentry.module_of(name) for name in names or lawsource.names()}
     ours = [f"  {name}: {law.NO_ROW}" for name, law in laws.items() if hasattr(law, "NO_ROW")]
     others = [f"  {name}: {law.REMARK}" for name, law in laws.items() if hasattr(law, "REMARK")]
     parts = [f"{OURS}: the document's tables have no such row; it is ours", *ours] if ours else []

@@ -113,13 +113,13 @@ def mapped(trial: Trial) -> tuple[ParameterMap, dict[str, Any]]:
 
 def _trial(asked: Asked) -> Trial:
     """The trial that makes the map. Raises `InputError`."""
-    from flocking import lawentry
+    from flocking import lawentry, lawsource
     from trials import keys
     from trials.simulations.maps import fields
 
     herd = fields.herd(asked.members, asked.law if lawentry.is_path(asked.law) else asked.law.replace("_", "-"))
     if lawentry.is_path(asked.law):
-        herd = dataclasses.replace(herd, law_source=lawentry.read_source(asked.law))
+        herd = dataclasses.replace(herd, law_source=lawsource.read_source(asked.law))
     trial = fields.trial("map", 1, [herd], asked.schema)
     trial = dataclasses.replace(trial, seed=asked.seed)
     given: dict[str, Any] = {"method": asked.method, "refinements": asked.refinements, "budget": asked.budget}

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from flocking import lawentry
+from flocking import lawentry, lawsource
 from flocking.errors import InputError
 from flocking.types import Floats
 from generation.environment import START, Environment
@@ -122,7 +122,7 @@ class RobotGroup:
 
 def robots(law: str, count: int, **given: object) -> RobotGroup:
     """A group of robots; the text of a user's own law file is read. Raises `InputError`."""
-    source = lawentry.read_source(law) if lawentry.is_path(law) else ""
+    source = lawsource.read_source(law) if lawentry.is_path(law) else ""
     return RobotGroup(law, count, law_source=source, **given)  # type: ignore[arg-type]
 
 

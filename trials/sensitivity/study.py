@@ -110,6 +110,9 @@ def _run(asked: Asked, made: Plan, model: Model, count: int, without: Sequence[s
         model = dataclasses.replace(model, claims=tuple(claim for claim in model.claims if claim not in needy))
     rows = {row.index: row for row in ledger.rows(PROBE, 0, [t for part in parts for t in part.trials]).values()}
     model = dataclasses.replace(model, wanted=read_cells(dataclasses.replace(probe, claims=model.claims), parts, rows))
+    least = probed + sum(len(part.trials) for part in model.parts(own)) * (1 + least_points(len(own)))
+    if asked.budget.trials is not None and asked.budget.trials < least:
+        raise _too_small(asked.budget, least, "", len(own))
     _, entries, each = _ran(model, ledger, REFERENCE, own, jobs)
     lacks = {claim: lacking(entries[claim - 1]) for claim in model.claims}
     kept = [claim for claim in model.claims if not lacks[claim]]

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 
-from flocking import avoidance, lawentry
+from flocking import avoidance, lawentry, lawsource
 from flocking.kinematic import Band, Space
 from flocking.kinematic.arrays import Bodies
 from flocking.kinematic.herd import KinematicHerd
@@ -27,7 +27,7 @@ forces grow steep near a neighbour, so it is relative to the largest number in t
 LEAST_SHARE = 1e-3
 """Of the fastest member's speed: of a slower one the direction is that of its rounding errors."""
 
-LAWS = lawentry.names()
+LAWS = lawsource.names()
 OBSTACLES = ("as-law", "avoid", "virtual-members")
 
 

@@ -1,101 +1,19 @@
-"""Laws from control theory and robotics: what their publications prove or show."""
+"""Laws from control theory: what their publications prove or show."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from scipy.integrate import quad
 
-from flocking import lawentry, selection
-from flocking.types import NO_OBSTACLES, Bools, Floats, Kind, Members, Motion, Obstacles, Own
+from flocking import lawentry
+from flocking.types import Bools, Floats, Kind
+from tests.flocking.laws.flocks import ROUNDING, Flock, scattered, spread
 from trials.simulations.kinematic.fields import GroupNames
-
-ROUNDING = 1e-9
-"""Sums of up to a hundred terms of size 1 to 100, each right to 1e-16, over up to a thousand steps."""
-
-
-def rotation(angle: float) -> Floats:
-    return np.array([[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]])
-
-
-class Flock:
-    """Members under one law, uncompiled and synchronous; body frames point where `headings` say."""
-
-    def __init__(self, name: str, positions: Any, *, dt: float = 0.01, linked: Bools | None = None, **set_to: float):
-        self.module = lawentry.module_of(name)
-        self.parameters = self.module.Parameters(**set_to)
-        values = self.parameters._asdict()
-        steps = selection.parse_sets("all", self.module.SETS, values)
-        self.steps = [selection.resolved(each, values) for each in steps]
-        self.positions = np.array(positions, dtype=np.float64)
-        self.count = len(self.positions)
-        self.velocities = np.zeros((self.count, 2))
-        self.headings = np.random.default_rng(self.count).uniform(-3.0, 3.0, self.count)
-        self.goals = np.full((self.count, 2), np.nan)
-        self.roles = np.zeros(self.count, dtype=np.int64)
-        self.linked = np.ones((self.count, self.count), dtype=np.bool_) if linked is None else linked
-        self.dt = dt
-        self.obstacles = NO_OBSTACLES
-
-    def decide(self, i: int, u: float | Floats = 0.5) -> Motion:
-        others = np.arange(self.count) != i
-        to_body = rotation(self.headings[i])
-        near = (self.positions[others] - self.positions[i]) @ to_body
-        members = Members(
-            near,
-            np.arctan2(near[:, 1], near[:, 0]),
-            self.headings[others] - self.headings[i],
-            self.velocities[others] @ to_body,
-            np.flatnonzero(others),
-        )
-        goal = (self.goals[i] - self.positions[i]) @ to_body
-        velocity, heading, role = self.velocities[i] @ to_body, float(self.headings[i]), int(self.roles[i])
-        own = Own(velocity, 0.0, heading, goal, np.zeros(2, dtype=np.bool_), self.dt, i, role)
-        sets = np.array([selection.select(each, members, self.linked[i][others]) for each in self.steps])
-        return self.module.law(own, members, sets, self.obstacles, self.parameters, np.zeros(0), np.atleast_1d(u))
-
-    def world(self, i: int, motion: Motion) -> Floats:
-        return rotation(self.headings[i]) @ np.array([motion.x, motion.y])
-
-    def step(self, rng: np.random.Generator | None = None) -> None:
-        draws = max(1, getattr(self.module, "DRAWS", 0))
-        motions = [self.decide(i, np.full(draws, 0.5) if rng is None else rng.random(draws)) for i in range(self.count)]
-        for i, motion in enumerate(motions):
-            if motion.kind == Kind.ACCELERATION:
-                self.velocities[i] += self.world(i, motion) * self.dt
-            elif motion.kind == Kind.VELOCITY:
-                self.velocities[i] = self.world(i, motion)
-            elif motion.kind == Kind.HEADING:
-                self.headings[i] += motion.x
-                self.velocities[i] = motion.y * rotation(self.headings[i])[:, 0]
-        self.positions += self.velocities * self.dt
-
-    def run(self, steps: int, rng: np.random.Generator | None = None) -> None:
-        for _ in range(steps):
-            self.step(rng)
-
-    def gaps(self) -> Floats:
-        i, j = np.triu_indices(self.count, 1)
-        return np.hypot(*(self.positions[i] - self.positions[j]).T)
-
-    def polarization(self) -> float:
-        return float(np.hypot(np.cos(self.headings).mean(), np.sin(self.headings).mean()))
-
-
-def scattered(count: int, least_gap: float, side: float, seed: int) -> Floats:
-    """Points in a square, none closer to another than `least_gap`."""
-    rng = np.random.default_rng(seed)
-    points: list[Floats] = []
-    for point in rng.uniform(0.0, side, (10_000, 2)):
-        if all(np.hypot(*(point - other)) > least_gap for other in points):
-            points.append(point)
-    assert len(points) >= count
-    return np.array(points[:count])
 
 
 def energies(flock: Flock, potential: Callable[[Floats], Floats], steps: int) -> Floats:
@@ -105,10 +23,6 @@ def energies(flock: Flock, potential: Callable[[Floats], Floats], steps: int) ->
         found.append(0.5 * np.sum(flock.velocities**2) + np.sum(potential(flock.gaps())))
         flock.step()
     return np.array(found)
-
-
-def spread(vectors: Floats) -> float:
-    return float(np.max(np.hypot(*(vectors - vectors.mean(axis=0)).T)))
 
 
 def path(count: int) -> Bools:
@@ -371,119 +285,3 @@ class TestHodginsBrogan:
         # the user is held back by what the herd adds to its nominal velocity: nothing, once all is at rest
         assert_allclose(flock.velocities, np.tile([2.0, 0.0], (15, 1)), atol=0.05)
         assert flock.gaps().min() > 0.5
-
-
-class TestKobots:
-    def pair(self, distance: float) -> Motion:
-        flock = Flock("turgut", [[0.0, 0.0], [0.0, distance]])
-        flock.headings[:] = 0.0
-        return flock.decide(0)
-
-    def test_a_neighbour_at_the_desired_level_does_not_turn_the_robot(self) -> None:
-        rest = 0.32 - 0.2 * 3.0 / 7.0
-        assert self.pair(rest).x == pytest.approx(0.0, abs=ROUNDING)
-        assert self.pair(rest - 0.02).x < 0.0 < self.pair(rest + 0.02).x
-        assert self.pair(0.4).x == 0.0
-
-    def noisy(self, count: int, u: Floats, mirrored: bool = False, order: Floats | None = None) -> float:
-        """The turn of a robot that hears so many with its own heading, all beyond the reach of its sensors."""
-        module = lawentry.module_of("turgut")
-        side = -1.0 if mirrored else 1.0
-        around = np.linspace(0.3, 5.0, count)
-        places = np.column_stack([np.cos(around), side * np.sin(around)]) * (1.0 + 0.1 * np.arange(count))[:, None]
-        headings = side * 0.1 * np.sin(around)
-        order = np.arange(count) if order is None else order
-        members = Members(
-            places[order], side * around[order], headings[order], np.zeros((count, 2)), np.full(count, -1)
-        )
-        parameters = module.Parameters(noise=0.5)
-        own = Own(np.zeros(2), 0.0, 0.0, np.full(2, np.nan), np.zeros(2, dtype=np.bool_), 0.1, 0, 0)
-        heard = np.array([[True], [False]]) & np.ones(count, dtype=np.bool_)
-        motion = module.law(own, members, heard, NO_OBSTACLES, parameters, np.zeros(0), u)
-        return float(motion.x)
-
-    def test_noise_of_each_heading_averages_out_over_those_heard(self) -> None:
-        draws = np.random.default_rng(16).random((3000, 2))
-        angle = np.random.default_rng(17).normal(0.0, math.pi / 2.0, 200_000)
-        error = np.arctan2(0.5 * np.sin(angle), 1.0 + 0.5 * np.cos(angle))
-        for count in (1, 40):
-            turns = [self.noisy(count, u) for u in draws]
-            # of many: the sum of sines over that of cosines; the headings themselves have a mean of nearly 0
-            expected = (
-                np.std(error) if count == 1 else np.std(np.sin(error)) / np.mean(np.cos(error)) / math.sqrt(count)
-            )
-            # four standard errors of a standard deviation of 3000, and a share of 1 / count for what is left out
-            assert np.std(turns) == pytest.approx(expected, rel=4.0 / math.sqrt(6000.0) + (count > 1) / count)
-
-    def test_its_noise_is_mirrored_with_the_world_and_knows_no_order(self) -> None:
-        rng = np.random.default_rng(18)
-        for u in rng.random((20, 2)):
-            turn = self.noisy(9, u)
-            assert self.noisy(9, 1.0 - u, mirrored=True) == pytest.approx(-turn, abs=ROUNDING)
-            assert self.noisy(9, u, order=rng.permutation(9)) == pytest.approx(turn, abs=ROUNDING)
-
-    def test_headings_align_and_noise_keeps_them_apart(self) -> None:
-        ordered = []
-        for noise in (0.0, 3.0):
-            flock = Flock("turgut", scattered(7, 0.5, 3.0, 11), noise=noise, dt=0.1)
-            flock.run(60, np.random.default_rng(12))
-            ordered.append(flock.polarization())
-        assert ordered[0] > 0.99
-        assert ordered[1] < 0.8
-
-    def test_an_obstacle_ahead_on_the_left_turns_it_right_and_slows_it(self) -> None:
-        flock = Flock("turgut", [[0.0, 0.0]])
-        flock.headings[:] = 0.0
-        flock.obstacles = Obstacles(np.array([[0.1, 0.09]]))
-        motion = flock.decide(0)
-        assert motion.x < 0.0
-        assert 0.0 < motion.y < 0.07
-
-    def test_uninformed_robots_are_carried_along(self) -> None:
-        flock = Flock("gokce-sahin", scattered(6, 0.5, 2.5, 13), dt=0.1)
-        flock.goals[:2] = [1e6, 0.0]
-        flock.run(400)
-        assert np.cos(flock.headings).min() > 0.95
-
-    def test_a_flock_migrates_more_accurately_than_a_robot_alone(self) -> None:
-        errors = []
-        for count in (1, 12):
-            positions = 0.5 * np.column_stack([np.arange(count) // 4, np.arange(count) % 4])
-            flock = Flock("gokce-sahin", positions, dt=0.1, homing_noise_rad=1.0)
-            flock.goals[:] = [1e6, 0.0]
-            flock.headings[:] = 0.0
-            rng, sines = np.random.default_rng(14), []
-            for _ in range(150):
-                flock.step(rng)
-                sines.append(np.sin(flock.headings).mean())
-            errors.append(np.std(sines))
-        assert errors[1] < 0.5 * errors[0]
-
-
-class TestHauert:
-    def test_robots_with_a_common_goal_flock_at_their_fixed_speed(self) -> None:
-        flock = Flock("hauert", scattered(10, 15.0, 80.0, 15), dt=0.1)
-        flock.goals[:] = [800.0, 40.0]  # 300 m nearer after half a minute
-        flock.velocities = 10.0 * np.column_stack([np.cos(flock.headings), np.sin(flock.headings)])
-        flock.run(300)
-        assert_allclose(np.hypot(*flock.velocities.T), 10.0, atol=ROUNDING)
-        assert flock.polarization() > 0.95
-        assert np.mean(np.cos(flock.headings)) > 0.9
-        assert spread(flock.positions) < 100.0
-
-    def test_the_weights_are_published_and_migration_takes_the_whole_vector(self) -> None:
-        flock = Flock("hauert", [[0.0, 0.0], [20.0, 0.0]], dt=0.1, turn_rate_rad_s=1e3)
-        flock.headings[:] = 0.0
-        flock.velocities[1] = [0.0, 10.0]
-        flock.goals[0] = [0.0, 250.0]
-        # separation and cohesion along x; alignment, and half of a unit of migration, along y
-        assert flock.decide(0).x == pytest.approx(math.atan2(1.0 + 250.0 / 500.0, 1.0 - 1.2), abs=ROUNDING)
-
-    def test_no_turn_is_faster_than_the_turning_rate(self) -> None:
-        flock = Flock("hauert", [[0.0, 0.0], [30.0, 0.0]], dt=0.1, turn_rate_rad_s=0.5)
-        flock.headings = np.array([math.pi - 0.02, 0.0])
-        flock.velocities = 10.0 * np.column_stack([np.cos(flock.headings), np.sin(flock.headings)])
-        flock.goals[0] = [1e6, 0.0]
-        assert abs(flock.decide(0).x) == pytest.approx(0.05)
-        flock.headings[0] = 0.01
-        assert flock.decide(0).x == pytest.approx(-0.01, abs=1e-3)

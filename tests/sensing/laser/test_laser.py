@@ -1,43 +1,30 @@
-"""What the laser reports: limits, noise, codes, mixed readings, the sweep, and the truth about them."""
+"""What the laser reports: limits, noise, codes, mixed readings, and the truth about them."""
 
 import math
 
-import mujoco
 import numpy as np
 import pytest
 
-from flocking.errors import InputError
 from flocking.parameters import checked, declared
 from sensing.laser import readings
 from sensing.laser.draws import AHEAD, Draws, intensity_draws, range_draws
-from sensing.laser.hokuyo import ANGLES, MAX_RANGE_M, NO_INTENSITIES, SETTINGS, Lasers, Parameters
+from sensing.laser.hokuyo import ANGLES, MAX_RANGE_M, NO_INTENSITIES, SETTINGS, Parameters
 from sensing.laser.readings import NORMALS
 from sensing.laser.reference import difference
-from sensing.laser.sweep import BEAM_S, SWEEP_S, TURN_S
 from sensing.types import NOBODY
-
-FRONT, BEAMS = 340, 682
-IDEAL, SHEET, HARSH = SETTINGS["ideal"], SETTINGS["datasheet"], SETTINGS["harsh"]
-STILL = SHEET._replace(dropout=0.0)
-EXACT = 1e-9  # m; round-off of a cast
-
-
-def lasers_of(scene, *parameters):
-    each = parameters * len(scene.roots) if len(parameters) == 1 else parameters
-    return Lasers(scene.model, scene.sites, scene.roots, each)
-
-
-def for_ranges(seed=0):
-    return range_draws(np.random.default_rng(seed))
-
-
-def for_light(seed=0):
-    return intensity_draws(np.random.default_rng(seed))
-
-
-def wall_at(distance):
-    """A wall across the x axis, `distance` from the laser of a robot at the origin."""
-    return (0.1 + distance + 0.1, 0.0, math.pi / 2, 20.0, 0.1)
+from tests.sensing.laser.lasers import (
+    BEAMS,
+    EXACT,
+    FRONT,
+    HARSH,
+    IDEAL,
+    SHEET,
+    STILL,
+    for_light,
+    for_ranges,
+    lasers_of,
+    wall_at,
+)
 
 
 def front_readings(arena, distance, parameters, count=3000, seed=1):
@@ -310,176 +297,3 @@ def test_exact_ranges_are_left_out_where_nobody_reads_them(arena):
     assert truth.ranges.shape == (0,)
     for left, right in zip((scan.ranges, truth.owners, truth.lit), (full.ranges, *whole_truth[::2]), strict=True):
         np.testing.assert_array_equal(left, right)
-
-
-# a narrower view
-
-
-@pytest.mark.parametrize("sweep", [False, True])
-@pytest.mark.parametrize("view_deg", [0.0, 90.0, 150.0, 180.0, 239.0])
-def test_nothing_is_seen_out_of_view_and_all_the_same_within(arena, view_deg, sweep):
-    scene = arena([(0, 0, 0), (0.9, 0.5, 0), (-0.3, 1.0, 0), (-0.8, -0.5, 0)], [wall_at(2.0), (0, 2, 0, 5, 0.1)])
-    laser = HARSH._replace(dropout=0.0, sweep=sweep)
-    whole, narrow = lasers_of(scene, laser), lasers_of(scene, laser._replace(view_deg=view_deg))
-    seen, truth = whole.read(scene.data, 0, 0.0, for_ranges(), for_light())
-    part, part_truth = narrow.read(scene.data, 0, 0.0, for_ranges(), for_light())
-    inside = np.abs(np.degrees(ANGLES)) <= view_deg / 2.0
-    assert 0 < inside.sum() < BEAMS
-    assert np.isinf(part.ranges[~inside]).all()
-    assert np.all(part_truth.owners[~inside] == NOBODY)
-    assert np.all(part.intensities[~inside] == 0.0)
-    # the beams at the border have no neighbour beyond it to be mixed with
-    deep = np.convolve(inside, [1, 1, 1], mode="same") == 3
-    np.testing.assert_array_equal(part.ranges[deep], seen.ranges[deep])
-    np.testing.assert_array_equal(part.intensities[deep], seen.intensities[deep])
-    np.testing.assert_array_equal(part_truth.owners[deep], truth.owners[deep])
-    hits = lasers_of(scene, IDEAL._replace(view_deg=view_deg)).read(scene.data, 0, 0.0, for_ranges())[1]
-    assert [int((hits.owners == k).sum()) for k in range(1, 4)] == hits.lit[1:].tolist()
-
-
-def test_the_usual_view_has_every_beam(arena):
-    scene = arena([(0, 0, 0)], [(0, 1.5, 0, 9, 0.1), (0, -1.5, 0, 9, 0.1)])
-    assert np.isfinite(lasers_of(scene, IDEAL).read(scene.data, 0, 0.0, for_ranges())[0].ranges[[0, -1]]).all()
-    assert Parameters().view_deg >= 2.0 * np.degrees(np.abs(ANGLES).max())
-
-
-# the sweep
-
-
-def test_the_sweep_takes_two_thirds_of_the_turn():
-    assert abs(TURN_S - 0.1) < 1e-12
-    assert abs(SWEEP_S - 0.0665) < 1e-5  # round-off of the published figure
-
-
-def test_a_sweep_of_a_world_at_rest_is_an_instantaneous_scan(arena):
-    scene = arena([(0, 0, 0.3), (1, 0.5, 0), (0.1, 1.5, 0)], [wall_at(2.0)])
-    lasers = lasers_of(scene, SHEET._replace(sweep=True), SHEET, SHEET)
-    for _ in range(10):
-        lasers.remember(scene.data)
-        scene.data.time += 0.01
-    still = lasers_of(scene, SHEET)
-    slow, slow_truth = lasers.read(scene.data, 0, 0.0, for_ranges(1), for_light(2))
-    fast, fast_truth = still.read(scene.data, 0, 0.0, for_ranges(1), for_light(2))
-    np.testing.assert_allclose(slow_truth.ranges, fast_truth.ranges, atol=EXACT)
-    np.testing.assert_array_equal(slow.ranges, fast.ranges)
-    np.testing.assert_allclose(slow.intensities, fast.intensities, rtol=1e-9)
-    assert lasers.needs_history
-    assert not still.needs_history
-
-
-def test_each_beam_of_a_sweep_is_read_at_its_own_instant(arena):
-    """Against instantaneous scans at the pose of each beam's instant, laser and neighbour both moving and turning."""
-    scene = arena([(0, 0, 0), (1, 0.5, 0)], [wall_at(2.0), (0, 1.5, 0, 3, 0.1)])
-
-    def go(time):
-        scene.data.time = time
-        scene.put(0, 0.4 * time, -0.1 * time, 2.0 * time)
-        scene.put(1, 1.0 - 0.5 * time, 0.5 + 0.2 * time, 0.0)
-
-    lasers, still = lasers_of(scene, IDEAL._replace(sweep=True)), lasers_of(scene, IDEAL)
-    end = 0.2
-    for step in range(21):
-        go(0.01 * step)
-        lasers.remember(scene.data)
-    _, truth = lasers.read(scene.data, 0, end, for_ranges())
-    expected = np.empty(BEAMS)
-    for i in range(BEAMS):
-        go(end - (BEAMS - 1 - i) * BEAM_S)
-        expected[i] = still.cast(scene.data, 0)[0][i]
-    differences = difference(truth.ranges, expected)
-    # headings between steps: the chord of 0.02 rad stands off its arc by 5e-7 rad; a few beams at edges flip
-    assert np.sum(differences > 1e-4) <= 3
-    go(end)
-    assert np.median(difference(still.cast(scene.data, 0)[0], truth.ranges)) > 0.01  # the first beams are 66 ms old
-
-
-def test_driving_at_a_wall_shortens_a_sweep_by_the_way_driven(arena):
-    scene = arena([(0, 0, 0)], [wall_at(2.0)])
-    lasers = lasers_of(scene, IDEAL._replace(sweep=True))
-    for step in range(21):
-        scene.data.time = 0.01 * step
-        scene.put(0, 0.5 * (scene.data.time - 0.2), 0.0, 0.0)
-        lasers.remember(scene.data)
-    scan, _ = lasers.read(scene.data, 0, 0.2, for_ranges())
-    ages = (BEAMS - 1 - np.arange(BEAMS)) * BEAM_S
-    ahead = abs(ANGLES) < 1.0
-    np.testing.assert_allclose(scan.ranges[ahead], ((2.0 + 0.5 * ages) / np.cos(ANGLES))[ahead], atol=EXACT)
-
-
-def test_a_world_set_back_in_time_forgets(arena):
-    scene = arena([(0, 0, 0)], [wall_at(2.0)])
-    lasers = lasers_of(scene, IDEAL._replace(sweep=True))
-    for step in range(10):
-        scene.data.time = 1.0 + 0.01 * step
-        scene.put(0, -0.1 * step, 0.0, 0.0)
-        lasers.remember(scene.data)
-    scene.data.time = 0.0
-    scene.put(0, 0.0, 0.0, 0.0)
-    scan, _ = lasers.read(scene.data, 0, 0.0, for_ranges())
-    assert scan.ranges[FRONT] == pytest.approx(2.0, abs=EXACT)
-
-
-# mounting, other movers, errors
-
-
-def test_mounts_walls_and_silhouettes_are_told(arena):
-    scene = arena([(1, 2, 3), (0, 0, 0)], [wall_at(1.0)], mount=(0.05, -0.02, 0.4))
-    lasers = lasers_of(scene, SHEET)
-    np.testing.assert_allclose(lasers.mounts, [[0.05, -0.02, 0.4]] * 2, atol=1e-12)
-    assert lasers.walls_w.shape == (4, 4)
-    np.testing.assert_allclose(lasers.silhouette_radii, 0.15)
-
-
-def test_doors_and_mocap_bodies_are_seen_where_they_stand(arena):
-    def add(spec):
-        door = spec.worldbody.add_body(name="door", pos=[2.0, 0.0, 0.0])
-        door.add_joint(name="hinge", axis=[0, 0, 1])
-        door.add_geom(type=mujoco.mjtGeom.mjGEOM_BOX, size=[0.05, 1, 0.3], pos=[0, 0, 0.3], userdata=[0.5, 0], mass=1)
-        block = spec.worldbody.add_body(name="block", mocap=True, pos=[0.1, 1.0, 0.0])
-        block.add_geom(type=mujoco.mjtGeom.mjGEOM_CYLINDER, size=[0.2, 0.5, 0], userdata=[0.5, 0])
-
-    scene = arena([(0, 0, 0)], edit=add)
-    lasers = lasers_of(scene, IDEAL)
-    scene.data.qpos[scene.model.joint("hinge").qposadr[0]] = 0.2
-    scene.data.mocap_pos[0] = [0.1, 1.5, 0.0]
-    distances, _ = lasers.cast(scene.data, 0)
-    face = 2.0 - 0.05 / math.cos(0.2)  # where the turned door's face crosses the x axis
-    assert distances[FRONT] == pytest.approx(face - 0.1, abs=EXACT)
-    assert distances[FRONT + 256] == pytest.approx(1.3, abs=EXACT)
-    assert lasers.walls_w.shape == (0, 4)
-
-
-def test_a_robot_that_stands_fixed_scans_too():
-    spec = mujoco.MjSpec()
-    spec.nuser_geom = 2
-    post = spec.worldbody.add_body(name="post", pos=[1.0, 0.0, 0.0])
-    post.add_site(name="eye", pos=[0, 0, 0.2])
-    post.add_geom(type=mujoco.mjtGeom.mjGEOM_CYLINDER, size=[0.1, 0.5, 0], userdata=[0.5, 0])
-    spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[0.5, 0, 0], pos=[3, 0, 0.2], userdata=[0.5, 0])
-    model = spec.compile()
-    lasers = Lasers(model, ["eye"], [model.body("post").id], [IDEAL])
-    assert lasers.cast(mujoco.MjData(model), 0)[0][FRONT] == pytest.approx(1.5, abs=EXACT)
-
-
-def test_wrong_mountings_are_named(arena):
-    scene = arena([(0, 0, 0), (1, 0, 0)])
-    model, sites, roots = scene.model, scene.sites, scene.roots
-    with pytest.raises(InputError, match=r"unknown site 'robot-0/lasr'; did you mean robot-0/laser"):
-        Lasers(model, ["robot-0/lasr"], roots[:1], [SHEET])
-    with pytest.raises(InputError, match="'robot-0/laser' is not mounted on body 'robot-1'"):
-        Lasers(model, sites[:1], roots[1:], [SHEET])
-    with pytest.raises(InputError, match="2 sites, 2 roots and 1 sets"):
-        Lasers(model, sites, roots, [SHEET])
-
-    def raise_one(spec):
-        spec.site("robot-1/laser").pos = [0.1, 0.0, 0.2]
-
-    high = arena([(0, 0, 0), (1, 0, 0)], edit=raise_one)
-    with pytest.raises(InputError, match=r"'robot-1/laser' scans at 0\.2 m"):
-        lasers_of(high, SHEET)
-
-    def hang(spec):
-        spec.site("robot-1/laser").quat = [0, 1, 0, 0]
-
-    with pytest.raises(InputError, match="'robot-1/laser' leans"):
-        lasers_of(arena([(0, 0, 0), (1, 0, 0)], edit=hang), SHEET)

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import dataclasses
+import json
 import os
 import shutil
 import signal
 import socket
 import sqlite3
+import subprocess
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing
@@ -21,6 +23,7 @@ from trials import batch as batches
 from trials.batch import cluster, machine, running
 from trials.batch.batch import Summary, Work, run_batch
 from trials.batch.store import Row
+from trials.reports.report import report
 from trials.types import Trial
 
 sys.path.insert(0, str(Path(__file__).parent))
@@ -161,6 +164,41 @@ def test_an_experiment_has_the_series_and_rows_of_a_local_run_also_when_it_is_re
     assert running.resume(tmp_path / "cluster", 1, lambda folder: "", cluster=two.address) == 0
     assert table(tmp_path / "cluster") == table(tmp_path / "local")
     assert [files(tmp_path / "cluster")[name] for name in series] == [local[name] for name in series]
+
+
+def test_a_run_until_decided_has_the_plan_rows_and_verdicts_of_a_local_run(
+    two: dask_cluster.Cluster, tmp_path: Path
+) -> None:
+    """By the command: which trials come next is decided here, and who runs them makes no difference."""
+    words = ["lch-table-4-1", "--until-decided", "--repeats", "3", "--budget", "6", "--set", "steps=2"]
+    for name, where in (("local", ["--jobs", "2"]), ("cluster", ["--cluster", two.address])):
+        done = subprocess.run(
+            [sys.executable, "-m", "trials.commands.cli", "run", *words, "--record", "none", *where, "--out", name],
+            cwd=tmp_path,
+            capture_output=True,
+            text=True,
+        )
+        assert done.returncode == 0, done.stderr
+        assert ("dashboard http://" in done.stderr) == (name == "cluster")
+    local, remote = tmp_path / "local", tmp_path / "cluster"
+    assert table(remote) == table(local)
+    assert files(remote) == files(local)
+    kept = [json.loads((folder / "run.json").read_text()) for folder in (local, remote)]
+    assert kept[0]["until_decided"] == kept[1]["until_decided"]
+    assert kept[0]["until_decided"]["looks"] == [3, 6]
+    entries = [json.loads(report(folder, as_json=True)) for folder in (local, remote)]
+    assert entries[0] == entries[1]
+    # some claims were decided at the first look and others went on, so that the cluster was handed trials twice
+    assert {len(entry["looks"]) for entry in entries[0]} == {1, 2}
+
+
+def test_the_link_to_the_dashboard_is_told(two: dask_cluster.Cluster, capsys: pytest.CaptureFixture[str]) -> None:
+    with cluster.connected(two.address):
+        told = capsys.readouterr().err
+    port = json.loads(two.file.read_text())["services"]["dashboard"]
+    assert told.endswith(f", dashboard http://127.0.0.1:{port}/status\n")
+    with socket.create_connection(("127.0.0.1", port), timeout=dask_cluster.DEADLINE_S):
+        pass  # it is the scheduler's own, and open
 
 
 def test_a_cluster_that_grows_and_shrinks_by_itself(tmp_path: Path) -> None:

@@ -11,19 +11,10 @@ from pathlib import Path
 import pytest
 
 from flocking import users_files
+from tests.trials.commands.own_laws import LAW_HEAD
 from trials.commands import lawcheck
 
 RUN = ["run", "detection-case-study"]
-LAW_HEAD = """
-import math
-from typing import NamedTuple
-from flocking.types import Kind, Motion
-NEEDS = frozenset({"positions"})
-RULES = ("law",)
-class Parameters(NamedTuple):
-    pass
-def law(own, members, sets, obstacles, parameters, memory, u):
-"""
 
 
 class Here:

@@ -16,6 +16,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.trials.commands.own_laws import LAW_HEAD
 from trials.batch import runfile
 from trials.commands import cli, options
 from trials.invoked import command, spelled
@@ -25,23 +26,8 @@ SHORT = ["detection-case-study", "--repeats", "1", "--only", "1,4,7", "--set", "
 
 COMMAND = f"{sys.executable} -m trials.commands.cli"
 """As it was called, and so as it is printed."""
-LAW = '''
-import math
-from typing import NamedTuple
-from flocking.types import Kind, Motion
-
-NEEDS = frozenset({"positions"})
-RULES = ("law",)
-
-
-class Parameters(NamedTuple):
-    pass
-
-
-def law(own, members, sets, obstacles, parameters, memory, u):
-    """Straight on; the third member returns nan."""
-    return Motion(Kind.VELOCITY, math.nan if own.id == 2 else 0.1, 0.0, 0)
-'''
+LAW = LAW_HEAD + "    return Motion(Kind.VELOCITY, math.nan if own.id == 2 else 0.1, 0.0, 0)\n"
+"""Straight on; the third member returns nan."""
 
 
 def herd(*words: str, cwd: Path) -> subprocess.CompletedProcess[str]:

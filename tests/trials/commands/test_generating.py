@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import cv2
 import numpy as np
 import pytest
 
@@ -33,6 +34,41 @@ def test_environments_are_the_same_however_many_there_are(tmp_path):
     assert (many / SHEET).read_bytes().startswith(b"\x89PNG")
     assert "weiring: 12 of " in told
     assert made(few) != made(many)[3:6]
+
+
+def black(picture):
+    """(H, W) of a picture (H, W, 3)."""
+    return picture.max(axis=2) < 100
+
+
+@pytest.mark.parametrize(("count", "columns", "rows"), [(3, 2, 2), (12, 4, 3), (104, 10, 10)])
+def test_the_contact_sheet_shows_each_environment_up_to_a_hundred(tmp_path, count, columns, rows):
+    generate(Asked("weiring", count, 7, tmp_path))
+    picture = cv2.imread(str(tmp_path / SHEET))
+    # below the title's 0.4 inches of 150 pixels the panels fill the height but for the bar, and are square
+    title = 60
+    side = (picture.shape[0] - title) / (rows + 0.07)
+    left = (picture.shape[1] - columns * side) / 2
+    panels = []
+    for number in range(rows * columns):
+        row, column = divmod(number, columns)
+        # a twentieth at each edge keeps the largest apart; below the last row the bar reaches into it
+        top, start = title + (row + 0.02) * side, left + column * side
+        panel = picture[round(top) : round(top + 0.96 * side), round(start) : round(start + side)]
+        corner = panel[: round(side / 8), : round(side / 8)]
+        assert black(corner).any() == (number < count)  # its number
+        corner[:] = 255
+        panels.append(panel)
+    shown = min(count, 100)
+    assert all((panel == 255).all() for panel in panels[shown:])
+    # constructs are black, workspaces grey and marks coloured: each construct has its own extent, all at one scale
+    drawn = np.array([[np.ptp(where) for where in np.nonzero(black(panel))[::-1]] for panel in panels[:shown]])
+    built = [each.construct_walls().reshape(-1, 2) for each in made(tmp_path)[:shown]]
+    metres = np.array([np.ptp(each, axis=0) for each in built])
+    scale = np.median(drawn / metres)
+    assert len(np.unique(metres.round(6), axis=0)) > shown / 3
+    np.testing.assert_allclose(drawn, scale * metres, atol=3.0)  # a line is 1.5 pixels wide, at either end
+    assert black(picture[:title]).any()
 
 
 def test_what_is_written_passes_the_filter_and_can_be_made_again_from_its_origin(tmp_path):

@@ -7,11 +7,11 @@ from pathlib import Path
 
 import pytest
 
-from flocking import lawentry
+from flocking import lawentry, lawsource
 from flocking.parameters import declared
 from trials.commands import cli, lawtables
 
-LAWS = lawentry.names()
+LAWS = lawsource.names()
 
 
 def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, *words: str) -> str:

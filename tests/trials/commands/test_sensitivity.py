@@ -14,6 +14,7 @@ from pathlib import Path
 import pytest
 
 from trials.commands import cli
+from trials.sensitivity import study
 
 ASKED = ["lch-field-of-view", "--repeats", "3", "--keys", "herd.law.step_m", "--budget", "66"]
 
@@ -56,6 +57,17 @@ def test_the_table_is_the_same_whatever_the_number_of_jobs_and_after_a_stop(tmp_
     other = herd("sensitivity", *ASKED, "--seed", "2", "--out", "two", cwd=tmp_path)
     assert other.returncode == 2
     assert "was begun with seed 1, not 2" in other.stderr
+
+
+def test_a_budget_that_one_screening_exceeds_is_refused_before_the_experiments_own_values_are_run(
+    tmp_path: Path,
+) -> None:
+    refused = herd("sensitivity", *ASKED[:-1], "40", "--out", "small", cwd=tmp_path)
+    assert refused.returncode == 2
+    assert "one screening of 1 choices takes at least" in refused.stderr
+    with sqlite3.connect(tmp_path / "small" / "sensitivity.sqlite") as connection:
+        stages = {stage for (stage,) in connection.execute("SELECT DISTINCT stage FROM trials")}
+    assert stages == {study.PROBE}  # which tells what cells the claims read
 
 
 def ended(folder: Path) -> int:

@@ -33,6 +33,20 @@ class Parameters(NamedTuple):
 def fitness(positions, environment, parameters):
     return {}
 '''
+KEPT_BACK = '''
+"""Nobody gets 12 units along x: in twelve iterations of two units a robot would get twice as far."""
+from typing import NamedTuple
+ITERATIONS = 12
+SUCCESS = 1.0
+
+
+class Parameters(NamedTuple):
+    """None."""
+
+
+def fitness(positions, environment, parameters):
+    return float(positions[-1, :, 0].max() < 12.0)
+'''
 
 
 def herd(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, str, str]:
@@ -67,6 +81,29 @@ def test_the_table_and_what_is_written(
         assert {name: str(value) for name, value in other.items()} == row  # a run of the same seed is the same
         assert int(row["simulations"]) == 3
         assert float(row["uplift"]) == pytest.approx(float(row["success"]) - float(row["control_success"]))
+
+
+def test_robots_are_tried_beside_their_empty_world(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """One Create that goes straight on: a wall across its way keeps it back, and the empty world does not."""
+    wall = Environment(construct=(Segment(12.0, -60.0, 12.0, 60.0),), markers={"start": Point()})
+    files.write(wall, tmp_path / "wall.json")
+    own = tmp_path / "kept.py"
+    own.write_text(KEPT_BACK, encoding="utf-8")
+    words = [str(tmp_path / "wall.json"), "--behaviour", str(own), "--law", "random-motion", "--members", "1"]
+    words += ["--body", "create", "--repeats", "2", "--out", str(tmp_path / "o.csv")]
+    for setting in ("law.turn_rad=0", "law.speed_m_s=0.25", "starts.side_m=0", "starts.spread_rad=0"):
+        words += ["--set", setting]
+    code, out, err = herd(monkeypatch, capsys, *words, "--set", "members.obstacles=as-law")
+    assert (code, err) == (0, "")
+    told = " ".join(out.split())
+    assert "1 robots (create) of random-motion" in told
+    assert "wall 1.00 2 of 2 0 of 2 +1.00" in told
+    assert "success 1.000 with the constructs, 0.000 in the empty world on the same starts" in told
+    (row,) = csv.DictReader((tmp_path / "o.csv").open(encoding="utf-8"))
+    assert [float(row[name]) for name in ("simulations", "success", "control_success", "uplift")] == [2, 1, 0, 1]
+    assert float(row["uplift_low"]) < 1.0 == float(row["uplift_high"])
 
 
 @pytest.mark.parametrize(

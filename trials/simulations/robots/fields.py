@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Annotated, NamedTuple
 
-from flocking import found, lawentry, obstacle_selection
+from flocking import found, lawentry, lawsource, obstacle_selection
 from flocking.parameters import Parameter, filled
 from generation.environment import Environment
 from robots import body as bodies
@@ -264,7 +264,7 @@ def group(
         pipeline=pipeline,
         name=name,
         selection=selection,
-        law_source=lawentry.read_source(law) if lawentry.is_path(law) else "",
+        law_source=lawsource.read_source(law) if lawentry.is_path(law) else "",
         law_parameters=law_parameters or {},
         pipeline_parameters=pipeline_parameters or {},
         spread=spread or {},

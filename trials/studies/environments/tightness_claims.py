@@ -113,20 +113,28 @@ def _outcome(label: str, interval: Callable[[float], Rate | Uplift]) -> Outcome:
     """The outcome that what an interval is of exceeds `LEAST`; `interval`: at a confidence."""
     found = interval(1.0 - ALPHA)
     measured = found[0]
-    p_holds = float(overall(_reaching(lambda confidence: interval(confidence).low))) if measured > LEAST else 1.0
-    p_fails = float(overall(_reaching(lambda confidence: interval(confidence).high))) if measured < LEAST else 1.0
+    p_holds = _of_all_looks(_reaching(lambda confidence: interval(confidence).low - LEAST))
+    p_fails = _of_all_looks(_reaching(lambda confidence: LEAST - interval(confidence).high))
     agrees = True if p_holds < ALPHA else False if p_fails < ALPHA else None
     decision = Decision(agrees, p_holds, p_fails, measured, found.low, found.high, found.n, float("nan"))
     return Outcome(label, decision, "exceeds", 0.0, LEAST, True)
 
 
-def _reaching(end: Callable[[float], float]) -> float:
-    """One minus the confidence at which the end of an interval comes to `LEAST`."""
+def _of_all_looks(p: float) -> float:
+    """A two-sided p-value of one look as that of all planned looks, which are known of one-sided ones."""
+    return min(1.0, 2.0 * float(overall(p / 2.0)))
+
+
+def _reaching(clear: Callable[[float], float]) -> float:
+    """One minus the confidence at which the end of an interval comes to `LEAST`; `clear`: how far it is beyond it.
+
+    1 where the measured number is not beyond it, also by rounding alone.
+    """
 
     def gap(tail: float) -> float:
-        return end(1.0 - np.exp(tail)) - LEAST
+        return clear(1.0 - np.exp(tail))
 
     least, most = np.log(1e-12), np.log(1.0 - 1e-9)
-    if gap(least) * gap(most) > 0.0:
-        return 0.0 if abs(gap(least)) > 0.0 else 1.0
-    return float(np.exp(optimize.brentq(gap, least, most)))
+    if gap(most) <= 0.0:
+        return 1.0
+    return float(np.exp(optimize.brentq(gap, least, most))) if gap(least) < 0.0 else 0.0

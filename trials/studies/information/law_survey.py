@@ -19,7 +19,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
 from typing import Any, NamedTuple
 
-from flocking import lawentry, selection
+from flocking import lawentry, lawsource, selection
 from flocking.errors import InputError
 from flocking.lawentry import OF_MEMBERS
 from flocking.parameters import declared
@@ -51,13 +51,13 @@ class Length(NamedTuple):
 @cache
 def left_out() -> dict[str, str]:
     """Laws that do not take part, and why."""
-    reasons = {name: why_not(name) for name in lawentry.names()}
+    reasons = {name: why_not(name) for name in lawsource.names()}
     return {name: why for name, why in reasons.items() if why}
 
 
 def taking_part() -> tuple[str, ...]:
     """The laws that do."""
-    return tuple(name for name in lawentry.names() if name not in left_out())
+    return tuple(name for name in lawsource.names() if name not in left_out())
 
 
 def why_not(name: str) -> str:

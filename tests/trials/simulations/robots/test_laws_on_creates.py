@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from flocking import lawentry, selection
+from flocking import lawentry, lawsource, selection
 from flocking.errors import InputError
 from flocking.lawentry import OF_MEMBERS
 from sensing.types import NOBODY
@@ -72,7 +72,7 @@ def runnable(name: str) -> Group:
     return group
 
 
-@pytest.mark.parametrize("name", lawentry.names())
+@pytest.mark.parametrize("name", lawsource.names())
 def test_every_law_runs_on_creates(name: str) -> None:
     group = runnable(name)
     done = run_trial(trial(group))

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from flocking import lawentry
+from flocking import lawentry, lawsource
 from flocking.errors import InputError
 from tests.trials.survey_runs import made_up
 from trials import simulations
@@ -34,7 +34,7 @@ LCH = "lch-member-pose"
 
 def test_every_law_takes_part_or_is_left_out_for_a_reason() -> None:
     left = law_survey.left_out()
-    assert {*left, *law_survey.taking_part()} == set(lawentry.names())
+    assert {*left, *law_survey.taking_part()} == set(lawsource.names())
     assert left["random-motion"] == left["bumper-only"] == "reads nothing of other members"
     assert left["hamilton-1d"] == "moves along one axis only"
     assert all(f"{law} ({why})" in words_left_out() for law, why in left.items())
