@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from flocking import lawentry
+from flocking import lawentry, lawsource
 from generation.validation.kinematic import KinematicGroup, kinematic
 
 LAW = "reynolds-boids"
@@ -32,7 +32,7 @@ def of_law(law: str) -> dict[str, Any]:
 
 def group(law: str = LAW, count: int = COUNT, law_parameters: Mapping[str, Any] | None = None) -> KinematicGroup:
     """So many members of a law, by its name or the path of a user's own file. Raises `InputError`."""
-    source = lawentry.read_source(law) if lawentry.is_path(law) else ""
+    source = lawsource.read_source(law) if lawentry.is_path(law) else ""
     creates = getattr(lawentry.module_of(law, source), "CREATE", {})
     return kinematic(
         law,

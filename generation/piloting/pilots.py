@@ -1,9 +1,9 @@
 """Piloting robots on their ways: the local planner that keeps them off a herd and off one another.
 
-A choice, as the document says nothing of it. Each robot follows its own route (`routes`) towards a place a little ahead
-on it, and plans anew every `ANEW_S`. It stands and waits while somebody is near before it: a member of the herd, a robot
-that has arrived, or one that goes before it by its number. Who has waited for `PATIENCE_S` plans a way round all that
-stand near.
+A choice, as the document says nothing of it. Each robot follows its own route (`routes`) towards a place a little
+ahead on it, and plans anew every `ANEW_S`. It stands and waits while somebody is near before it: a member of the herd,
+a robot that has arrived, or one that goes before it by its number. Who has waited for `PATIENCE_S` plans a way round
+all that stand near.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ class Pilots:
         """
         still = self.arrived(places)
         found = np.where(still[:, None], np.where(np.isnan(self.goals), places, self.goals), places)
-        for k in np.flatnonzero(~still):
+        for k in np.flatnonzero(~still).tolist():
             if time - self._planned[k] >= ANEW_S:
                 stand = still | ~np.isnan(self._waits)
                 self._plan(k, time, places, herd, np.flatnonzero(stand & (np.arange(len(places)) != k)))

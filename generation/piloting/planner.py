@@ -131,8 +131,9 @@ def search(
 ) -> Plan:
     """A plan whose walls guide new herds to the goal, at least by the share that is asked for.
 
-    `step_m`: way of a member in an iteration. `begun`: a partial plan, with whose walls it begins. Raises `BudgetSpentError` where the budget is spent, and `InputError`
-    where the grid is: `progress.best` is then the longest chain of valid walls.
+    `step_m`: way of a member in an iteration. `begun`: a partial plan, with whose walls it begins.
+    Raises `BudgetSpentError` where the budget is spent, and `InputError` where the grid is: `progress.best` is then the
+    longest chain of valid walls.
     """
     progress = progress or Progress()
     states = chain.starts(task, group.count, how.starts, how.seed, how.side_m, how.apart_m)

@@ -10,7 +10,6 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 from scipy import sparse
@@ -25,15 +24,12 @@ CELL_M = 0.15
 _NEIGHBOURS = ((1, 0), (0, 1), (1, 1), (1, -1))
 
 
-class Shyness(NamedTuple):
-    """How routes keep away from a herd."""
-
-    clear_m: float = 0.5
-    """Cells nearer than this to a member are closed. A choice: two radii of a Create, and half of one to spare."""
-    near_m: float = 1.0
-    """Distance at which the way has become `times` / e times as dear. A choice: beyond a Create's look-ahead."""
-    times: float = 20.0
-    """How many times as dear the way is beside a member. A choice: five blocks round rather than through."""
+CLEAR_M = 0.5
+"""Cells nearer than this to a member are closed. A choice: two radii of a Create, and one to spare."""
+NEAR_M = 1.0
+"""Distance from a member within which the way is dearer. A choice: somewhat beyond a Create's look-ahead."""
+TIMES = 20.0
+"""How many times as dear the way is beside a member. A choice: rather five blocks round than through."""
 
 
 @dataclass(frozen=True)
@@ -70,8 +66,7 @@ def ground(workspace: Environment, radius_m: float) -> Ground:
     return Ground(low, free.reshape(shape))
 
 
-def route(over: Ground, start: Floats, goal: Floats, herd: Floats, blocked: Floats, room_m: float,
-          shyness: Shyness = Shyness()) -> Floats:  # fmt: skip
+def route(over: Ground, start: Floats, goal: Floats, herd: Floats, blocked: Floats, room_m: float) -> Floats:
     """(K, 2) places from a start (2,) to a goal (2,), both included, m; (0, 2) where no way is open.
 
     `herd` (M, 2): where members are; `blocked` (B, 2): what else stands in the way, which the robot keeps `room_m` off.
@@ -82,13 +77,13 @@ def route(over: Ground, start: Floats, goal: Floats, herd: Floats, blocked: Floa
     centres = over.centres.reshape(-1, 2)
     if len(herd):
         near = cdist(centres, herd).min(axis=1).reshape(cost.shape)
-        cost += shyness.times * np.exp(-((near / shyness.near_m) ** 2))
-        cost[near < shyness.clear_m] = math.inf
+        cost += TIMES * np.exp(-((near / NEAR_M) ** 2))
+        cost[near < CLEAR_M] = math.inf
     if len(blocked):
         cost[cdist(centres, blocked).min(axis=1).reshape(cost.shape) < room_m] = math.inf
     for x, y in (first, last):
         around = (slice(max(x - 1, 0), x + 2), slice(max(y - 1, 0), y + 2))
-        cost[around] = np.where(over.free[around] & ~np.isfinite(cost[around]), shyness.times, cost[around])
+        cost[around] = np.where(over.free[around] & ~np.isfinite(cost[around]), TIMES, cost[around])
     cells = _cheapest(cost, first, last)
     if len(cells) == 0:
         return np.empty((0, 2))

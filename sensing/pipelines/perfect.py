@@ -10,8 +10,8 @@ member's centre. Member-based detection gives the mean of the facing surface, 0.
 radius (0.165 m) nearer and up to one radius to either side. A member of which 1/16 shows is an input here, while
 member-based detection wants its whole shape.
 
-The obstacles are the nearest point of each wall in range and in the field of view, which nothing hides, and of each robot
-in view that is not marked as a member.
+The obstacles are the nearest point of each wall in range and in the field of view, which nothing hides, and of each
+robot in view that is not marked as a member.
 """
 
 from __future__ import annotations

@@ -290,6 +290,7 @@ app.command()(plans.export)
 app.command()(environments.generate)
 app.command()(environments.validate)
 app.command("map")(environments.map_)
+app.command()(environments.plan)
 
 
 @app.command()

@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 
 from typer import Argument, Option
 
+from flocking.errors import InputError
 from trials.commands.arguments import Jobs, Seed, Settings, jobs_of, whole
 
 
@@ -85,6 +86,38 @@ def validate(
         options.settings(settings or []),
     )
     validation.validate(asked)
+
+
+def plan(
+    task: Annotated[str, Argument(metavar="TASK", help="Its name, as task-3, or the path of your own file.")],
+    law: Annotated[str, Option(help="Its name, or the path of your own file.")] = "reynolds-boids",
+    members: Annotated[int, Option(parser=whole(1, 100), metavar="N", help="Members of the herd.")] = 4,
+    static: Annotated[
+        bool, Option("--static", help="Walls that stand all the time; by default they vanish once the herd is past.")
+    ] = False,
+    exhaust: Annotated[
+        bool, Option("--exhaust", help="Tries all sets of standing walls of the grid, whether any guides a herd.")
+    ] = False,
+    starts: Annotated[int, Option(parser=whole(1, 1000), metavar="R", help="Herds by which a wall is tried.")] = 6,
+    share: Annotated[float, Option(metavar="P", help="Of their members, how many a wall must turn.")] = 0.95,
+    budget: Annotated[int, Option(parser=whole(1), metavar="N", help="Most simulations of a stage.")] = 100_000,
+    seed: Seed = 1,
+    settings: Settings = None,
+    out: Annotated[
+        Path | None, Option(metavar="FILE", help="Gets the plan, or as much of it as was found, to go on with.")
+    ] = None,
+) -> None:
+    """Plans the walls that guide a herd through a task.
+
+    One wall a turn, of a grid of angles and lengths, by simulations of kinematic members. Keys of --set: law.*,
+    grid.angle_step_deg, grid.lengths_m.
+    """
+    from trials.commands import options, planning
+
+    if not 0.0 < share <= 1.0:
+        raise InputError(f"--share {share:g}: expected a share above 0 and at most 1")
+    own = options.settings(settings or [])
+    planning.plan(planning.Asked(task, law, members, static, exhaust, starts, share, budget, seed, own, out))
 
 
 def map_(

@@ -59,7 +59,9 @@ def _search(asked: Asked) -> None:
     except InputError:
         if progress.best is not None and asked.out is not None:
             _write(asked, progress.best, progress.simulations)
-            print(f"{len(progress.best.walls)} walls are kept in {asked.out}: the same command goes on", file=sys.stderr)
+            print(
+                f"{len(progress.best.walls)} walls are kept in {asked.out}: the same command goes on", file=sys.stderr
+            )
         raise
     _write(asked, found, progress.simulations)
     print(_told(task, found, progress.simulations))
@@ -82,8 +84,10 @@ def _exhaust(asked: Asked) -> None:
 
     found = static.exhaust(task, group, states, members.STEP_M, members.SEES_M, grid, asked.share, say)
     lengths = ", ".join(f"{length:g}" for length in grid.lengths_m)
-    print(f"{task.name}: {found.sets:,} sets of one standing wall a turn: every {grid.angle_step_deg:g} degrees, {lengths} m")
-    print(f"{found.tried:,} simulated until a stage failed; the best guides {found.best:.2f} of the members to the goal")
+    print(
+        f"{task.name}: {found.sets:,} sets of one wall a turn, {lengths} m long, every {grid.angle_step_deg:g} degrees"
+    )
+    print(f"{found.tried:,} stages simulated; the best set guides {found.best:.2f} of the members to the goal")
     if found.plan is not None and asked.out is not None and found.best >= asked.share:
         _write(asked, found.plan, found.tried)
 
@@ -107,9 +111,11 @@ def _grid(settings: Mapping[str, Any]) -> Any:
     lengths = settings.get("grid.lengths_m", list(grid.lengths_m))
     numbers = [step, *(lengths if isinstance(lengths, list) else [None])]
     if not all(isinstance(each, int | float) and not isinstance(each, bool) and 0 < each <= 360 for each in numbers):
-        raise InputError(f"--set grid: {step!r}, {lengths!r}: expected degrees above 0, and lengths in m as in [0.75, 1.5]")
+        raise InputError(
+            f"--set grid: {step!r}, {lengths!r}: expected degrees above 0, and lengths in m as in [1.5, 2.12]"
+        )
     if len(numbers) < 2:
-        raise InputError("--set grid.lengths_m=[]: expected a length at least, as in [0.75, 1.5]")
+        raise InputError("--set grid.lengths_m=[]: expected a length at least, as in [1.5, 2.12]")
     return grid._replace(angle_step_deg=float(step), lengths_m=tuple(float(each) for each in lengths))
 
 
@@ -123,8 +129,8 @@ def _begun(asked: Asked, task: Task) -> Plan | None:
     if found.task != task.name or found.static != asked.static or len(found.walls) >= len(task.turns):
         kind = "static" if found.static else "changing"
         raise InputError(
-            f"--out {asked.out}: a {kind} plan of {found.task} with {len(found.walls)} walls; expected a new file, or a "
-            f"partial plan of {task.name} to go on with"
+            f"--out {asked.out}: a {kind} plan of {found.task} with {len(found.walls)} walls; expected a new file, or "
+            f"a partial plan of {task.name} to go on with"
         )
     return replace(found, task=task.name)
 

@@ -26,7 +26,7 @@ HOW = Search(grid=COARSE, starts=2, side_m=0.2, apart_m=0.0, share=1.0)
 
 
 class Sliding:
-    """One member that goes straight on, and along a wall that its next step would cross, whichever way is less of a turn."""
+    """One member that goes straight on, and along a wall that its next step would cross, by the lesser turn."""
 
     count = 1
 

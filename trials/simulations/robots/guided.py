@@ -1,6 +1,7 @@
-"""A herd that is guided through a task (Fine 2015, section 8.2): `task` names it, `piloting.*` says by what it is guided.
+"""A herd that is guided through a task (Fine 2015, section 8.2): `task` names it, `piloting.*` says how it is guided.
 
-Walls stand all the time or as many as can be held at a time; or robots do, the group `pilots`, in formations along them.
+Walls stand all the time or as many as can be held at a time; or robots do, the group `pilots`, in formations along
+them.
 """
 
 from __future__ import annotations
@@ -142,8 +143,8 @@ def check(trial: Trial, radius_m: float) -> None:
         return
     if len(plan.walls) != len(task.turns):
         raise InputError(
-            f"piloting.walls has {len(plan.walls)} walls, and {task.name} {len(task.turns)} turns; expected one a turn: "
-            f"herd plan {task.name} finds them"
+            f"piloting.walls has {len(plan.walls)} walls, and {task.name} {len(task.turns)} turns; expected one a "
+            f"turn: herd plan {task.name} finds them"
         )
     for wall in plan.walls:
         wall.segment(task)
@@ -157,6 +158,6 @@ def check(trial: Trial, radius_m: float) -> None:
     for number, wall in enumerate(plan.walls, 1):
         if not formations.has_room(walls, wall.segment(task), given.robots_a_wall, radius_m):
             raise InputError(
-                f"wall {number} of {task.name}, {wall.length_m:g} m long, has no room for {given.robots_a_wall} robots of "
-                f"{2.0 * radius_m:g} m beside one another and beside other walls; expected a longer wall, or fewer robots"
+                f"wall {number} of {task.name}, {wall.length_m:g} m long, has no room for {given.robots_a_wall} robots "
+                f"of {2.0 * radius_m:g} m beside one another and other walls; expected a longer wall, or fewer robots"
             )

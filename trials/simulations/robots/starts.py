@@ -24,7 +24,8 @@ def starting_poses(trial: Trial) -> Floats:
 
     The groups without a formation of their own share the trial's, in their order, put at the world's start; poses of a
     file stand where it says. A group's own formation is drawn from the group's own stream, turned by
-    `start_heading_deg` and put at `start_x_m`, `start_y_m`. Pilots stand along the walls that they hold first. Raises `InputError`.
+    `start_heading_deg` and put at `start_x_m`, `start_y_m`. Pilots stand along the walls that they hold first. Raises
+    `InputError`.
     """
     given = [of_group(group) for group in trial.groups]
     along_walls = [guided.stands_along_walls(trial, group) for group in trial.groups]

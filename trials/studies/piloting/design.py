@@ -10,6 +10,7 @@ import dataclasses
 from functools import cache
 
 from generation.files import to_json
+from generation.piloting import members
 from generation.piloting import plan as plans
 from generation.piloting import task as tasks
 from trials.simulations.robots import guided
@@ -19,16 +20,11 @@ from trials.types import Group, Trial, Value, with_setup
 TASK, GUIDES = KEYS = ("task", "piloting.guides")
 WALLS, PILOTS = guided.WALLS, guided.PILOTS
 TASKS = tuple(tasks.names())
-MEMBERS = 4
-"""Fine 2015, section 8.2; figure 8.6 shows five."""
-LAW = "reynolds-boids"
 MEASURE = "arrived_share"
 FILE = "task.json"
 """Path that a trial's world is named by; its text travels with the trial."""
 START: dict[str, Value] = {"gap_m": 0.45, "length_m": 1.0, "half_width_m": 0.4, "heading_spread_deg": 10.0}
 """A choice: four Creates across a street of 1.5 m."""
-SEPARATION_M = 0.6
-"""Distance below which BOIDS keep apart. A choice: two abreast in a street of 1.5 m; Creates usually take 0.9 m."""
 PILOT_M_S = 0.4
 """A choice: pilots must be faster than the herd, and keep below a Create's 0.5 m/s."""
 SLOWNESS = 2.5
@@ -38,13 +34,14 @@ SLOWNESS = 2.5
 def base(experiment: str, repeat: int) -> Trial:
     """Four Creates under BOIDS that six others guide through the first task."""
     herd = group(
-        LAW, MEMBERS, pipeline="sensor-based", obstacles="avoid", law_parameters={"separation_m": SEPARATION_M}
-    )
+        members.LAW, members.COUNT, pipeline="sensor-based", obstacles="avoid",
+        law_parameters=members.of_law(members.LAW), speed_m_s=members.SPEED_M_S,
+    )  # fmt: skip
     made = trial(
         experiment, repeat, [herd, pilots(6)], world=FILE, formation="scattered", formation_parameters=START,
-        task=TASKS[0], **{GUIDES: PILOTS},
+        task=TASKS[0],
     )  # fmt: skip
-    return dataclasses.replace(made, world_source=_workspace(TASKS[0]))
+    return with_setup(dataclasses.replace(made, world_source=_workspace(TASKS[0])), {GUIDES: PILOTS})
 
 
 def pilots(count: int) -> Group:
@@ -69,7 +66,7 @@ def finish(trial: Trial) -> Trial:
     usual = [each for each in guides if each.count == 2 * plans.ROBOTS_A_WALL]
     if usual:
         guides = [dataclasses.replace(usual[0], count=plans.AT_ONCE * given.robots_a_wall)]
-    own["duration_s"] = duration_s(name, float(herd[0].setup.get("speed_m_s", 0.25)))
+    own["duration_s"] = duration_s(name, float(herd[0].setup.get("speed_m_s", members.SPEED_M_S)))
     placed = dataclasses.replace(trial, groups=(*herd, *guides))
     if trial.world == FILE:
         placed = dataclasses.replace(placed, world_source=_workspace(name))

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 
+from trials.evidence import statistics
 from trials.evidence.claims import published
 from trials.evidence.runs import FinishedTrial, Run
 from trials.reports import figures as draw
@@ -11,7 +14,6 @@ from trials.reports.arms import by_arm
 from trials.reports.figures import Figure, Place
 from trials.studies.piloting.design import KEYS, MEASURE, PILOTS, WALLS
 from trials.studies.piloting.drawn import snapshots
-from pathlib import Path
 
 COLOURS = {WALLS: "#0072b2", PILOTS: "#d55e00"}
 LABELS = {WALLS: "walls", PILOTS: "robots"}
@@ -27,46 +29,55 @@ def _figures(run: Run, place: Place) -> list[Figure]:
     return [_table(run, place), *_series(run, place)]
 
 
-def _done(run: Run) -> list[FinishedTrial]:
-    return [row for row in run.rows() if row.status == "done"]
+def _done(run: Run, task: str, guides: str) -> list[FinishedTrial]:
+    rows = [row for row in run.rows() if row.status == "done"]
+    return [row for row in rows if tuple(map(row.conditions.get, KEYS)) == (task, guides)]
+
+
+def _tasks(run: Run) -> list[str]:
+    return list(dict.fromkeys(str(trial.conditions[KEYS[0]]) for trial in run.trials))
 
 
 def _table(run: Run, place: Place) -> Figure:
-    table, done = published(__package__, "fine2015", "table_8_1"), _done(run)
-    tasks = list(dict.fromkeys(str(trial.conditions[KEYS[0]]) for trial in run.trials))
+    table, tasks = published(__package__, "fine2015", "table_8_1"), _tasks(run)
     canvas, (axis,) = draw.grid(1, 1, width=5.6, height=3.2)
-    for side, guides in enumerate(LABELS):
-        for k, task in enumerate(tasks):
-            own = np.array([r.measures[MEASURE] for r in done if (r.conditions[KEYS[0]], r.conditions[KEYS[1]]) == (task, guides)])
-            at = k + 0.16 * (2 * side - 1)
-            shown = LABELS[guides] if k == 0 else None
-            if len(own):
-                reach = 2.262 * own.std(ddof=1) / len(own) ** 0.5 if len(own) > 1 else 0.0
-                axis.errorbar([at], [own.mean()], [reach], fmt="o", color=COLOURS[guides], ms=4, label=shown)
-            if task in table[guides]:
-                axis.plot([at], [table[guides][task]], "x", color=COLOURS[guides], ms=6, label="published" if k == 0 and side else None)
+    for side, (guides, colour) in enumerate(COLOURS.items()):
+        at = np.arange(len(tasks)) + 0.16 * (2 * side - 1)
+        for x, task in zip(at, tasks, strict=True):
+            own = np.array([row.measures[MEASURE] for row in _done(run, task, guides)])
+            if len(own) > 1:
+                decision = statistics.exceeds(own, 0.0)
+                reach = [[own.mean() - decision.low], [decision.high - own.mean()]]
+                axis.errorbar([x], [own.mean()], reach, fmt="o", color=colour, ms=4)
+        axis.plot(at, [table[guides].get(task, np.nan) for task in tasks], "x", color=colour, ms=6)
+        axis.plot([], [], "o", color=colour, label=LABELS[guides])
+    axis.plot([], [], "x", color="black", label="published")
     axis.set_xticks(range(len(tasks)), tasks)
-    axis.set_ylim(-0.02, 1.05)
+    axis.set_ylim(-0.02, 1.15)
     axis.set_ylabel("share that arrives")
-    axis.legend(frameon=False, loc="lower left")
-    caption = "Mean share of the robots that follow the trajectory to the goal, with 95 % intervals of the mean; crosses: table 8.1 of Fine 2015."
+    axis.legend(frameon=False, ncols=3, loc="upper left")
+    caption = (
+        "Mean share of the robots that follow the trajectory to the goal, with 95 % intervals of the mean; crosses: "
+        "table 8.1 of Fine 2015."
+    )
     return draw.save(canvas, place, "table", "Table 8.1", caption)
 
 
 def _series(run: Run, place: Place) -> list[Figure]:
-    """Of each task, moments of the first trial in which most robots arrive, guided by walls above and by robots below."""
+    """Of each task, moments of the first of the trials in which most robots arrive, by walls above and robots below."""
     found = []
-    done = _done(run)
-    for task in dict.fromkeys(str(trial.conditions[KEYS[0]]) for trial in run.trials):
+    caption = (
+        "Green: the robots that are guided; red: those that guide; yellow: walls that stand; dotted: the trajectory. "
+        "The best trial of each; time from left to right."
+    )
+    for task in _tasks(run):
         rows = []
-        for guides in LABELS:
-            own = [r for r in done if (r.conditions[KEYS[0]], r.conditions[KEYS[1]]) == (task, guides)]
-            if own:
-                best = max(own, key=lambda row: (row.measures[MEASURE], -row.index))
-                result = run.series(best.index)
-                if result is not None:
-                    rows.append((LABELS[guides], result))
+        for guides, label in LABELS.items():
+            own = sorted(_done(run, task, guides), key=lambda row: (-row.measures[MEASURE], row.index))
+            result = run.series(own[0].index) if own else None
+            if result is not None:
+                rows.append((label, result))
         if rows:
-            caption = "Green: the robots that are guided; red: those that guide; yellow: walls that stand; dotted: the trajectory. The best trial of each; time from left to right."
-            found.append(draw.save(snapshots(task, rows, MOMENTS), place, f"series-{task}", f"{task}, as in figures 8.7 to 8.10", caption, dots=True))
+            canvas, name = snapshots(task, rows, MOMENTS), f"{task}, as in figures 8.7 to 8.10"
+            found.append(draw.save(canvas, place, f"series-{task}", name, caption, dots=True))
     return found

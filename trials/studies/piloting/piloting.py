@@ -1,7 +1,7 @@
 """Table 8.1 of Fine 2015: four Creates guided through four tasks, by walls or by six robots in formations, 80 trials.
 
-In task 3 no walls that stand all the time guide a herd (`herd plan task-3 --exhaust` shows it for a grid), so that walls
-rise and vanish there too, when the herd has cleared them.
+In task 3 no walls that stand all the time guide a herd (`herd plan task-3 --exhaust` shows it for a grid), so that
+walls rise and vanish there too, when the herd has cleared them.
 """
 
 from __future__ import annotations
@@ -28,4 +28,4 @@ def base(repeat: int) -> Trial:
     return design.base("piloting", repeat)
 
 
-__all__ = ["CONDITIONS", "KEY_MEASURES", "KEYS", "RECORD", "REPEATS", "SOURCES", "base", "claims", "figures", "finish"]
+__all__ = ["CONDITIONS", "KEYS", "KEY_MEASURES", "RECORD", "REPEATS", "SOURCES", "base", "claims", "figures", "finish"]
