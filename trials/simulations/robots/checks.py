@@ -94,7 +94,11 @@ def _check_start(start: _Start) -> None:
     _check_reach(trial, given, poses_w, free, fastest, widest)
     names = [f"{group.name}-{k + 1}" for group in trial.groups for k in range(group.count)]
     drawn = not start_poses.is_file(trial.formation)
-    together = [drawn and its.given.formation == TOGETHER for its in groups for _ in range(its.given.count)]
+    together = [
+        drawn and its.given.formation == TOGETHER and not guided.stands_along_walls(trial, its.group)
+        for its in groups
+        for _ in range(its.given.count)
+    ]
     check_starts(Starting(names, poses_w, radii, np.array(together)), environment_of(trial))
 
 
