@@ -110,7 +110,7 @@ def plan(
     """Plans the walls that guide a herd through a task.
 
     One wall a turn, of a grid of angles and lengths, by simulations of kinematic members. Keys of --set: law.*,
-    grid.angle_step_deg, grid.lengths_m.
+    grid.angle_step_deg, grid.lengths_m, grid.robots, grid.reach_m.
     """
     from trials.commands import options, planning
 

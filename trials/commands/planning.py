@@ -9,11 +9,12 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from flocking.errors import InputError
+from flocking.errors import InputError, unknown_name
 
 if TYPE_CHECKING:
     from generation.group import Group
     from generation.piloting.plan import Plan
+    from generation.piloting.planner import Grid
     from generation.piloting.task import Task
 
 
@@ -99,24 +100,25 @@ def _asked_for(asked: Asked) -> tuple[Task, Group]:
     return task.load(asked.task), members.group(asked.law, asked.members, own)
 
 
-def _grid(settings: Mapping[str, Any]) -> Any:
+def _grid(settings: Mapping[str, Any]) -> Grid:
     from generation.piloting.planner import Grid
 
-    known = {"grid.angle_step_deg", "grid.lengths_m"}
-    for key in settings:
-        if not key.startswith("law.") and key not in known:
-            raise InputError(f"--set {key}: expected a key of law.*, {' or '.join(sorted(known))}")
     grid = Grid()
-    step = settings.get("grid.angle_step_deg", grid.angle_step_deg)
-    lengths = settings.get("grid.lengths_m", list(grid.lengths_m))
-    numbers = [step, *(lengths if isinstance(lengths, list) else [None])]
-    if not all(isinstance(each, int | float) and not isinstance(each, bool) and 0 < each <= 360 for each in numbers):
-        raise InputError(
-            f"--set grid: {step!r}, {lengths!r}: expected degrees above 0, and lengths in m as in [1.5, 2.12]"
-        )
-    if len(numbers) < 2:
-        raise InputError("--set grid.lengths_m=[]: expected a length at least, as in [1.5, 2.12]")
-    return grid._replace(angle_step_deg=float(step), lengths_m=tuple(float(each) for each in lengths))
+    own: dict[str, Any] = {}
+    for key, value in settings.items():
+        if key.startswith("law."):
+            continue
+        name = key.removeprefix("grid.")
+        if name == key or name not in Grid._fields:
+            raise unknown_name("key", key, ["law.PARAMETER", *(f"grid.{field}" for field in Grid._fields)])
+        several = isinstance(getattr(grid, name), tuple)
+        numbers = value if several and isinstance(value, list) else [value]
+        fits = numbers and all(isinstance(n, int | float) and not isinstance(n, bool) and 0 < n <= 360 for n in numbers)
+        if not fits or (name == "robots" and not isinstance(value, int)):
+            expected = "lengths above 0, as in [1.5, 2.12]" if several else "a number above 0, and at most 360"
+            raise InputError(f"--set {key}={value!r}: expected {expected}")
+        own[name] = tuple(float(n) for n in numbers) if several else value
+    return grid._replace(**own)
 
 
 def _begun(asked: Asked, task: Task) -> Plan | None:

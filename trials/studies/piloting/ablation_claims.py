@@ -1,0 +1,50 @@
+"""What of the gap between walls and robots each ablation explains, as claims of ours."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+
+from trials.evidence.claims import Entry, Question, all_must_hold, answers, claim_of
+from trials.evidence.outcomes import Outcome, more
+from trials.evidence.runs import CellName, Cells, Run
+from trials.studies.piloting.claims import MARGIN
+from trials.studies.piloting.design import MEASURE, PILOTS
+
+KEYS = (
+    "piloting.guides", "piloting.robots_a_wall", "pilots.speed_m_s", "herd.count", "herd.law", "herd.pipeline",
+)  # fmt: skip
+NUMBERS = ("robots a wall", "speed of the pilots", "members of the herd")
+"""Of `KEYS`, those from the second on that are numbers: each has a claim."""
+
+
+def claims(run: Run) -> list[Entry]:
+    """An entry for each of what could explain the gap, as far as the run has its cells."""
+    return answers(run, KEYS, _questions)
+
+
+def _questions(cells: Cells) -> list[Question]:
+    planned, found = list(cells.planned()), []
+    for number, told in enumerate(NUMBERS, start=1):
+        least, most = _ends(planned, number)
+        if least == most:
+            continue
+        judge = all_must_hold(f"paired difference of the shares above {MARGIN:g}", partial(_more, cells, most, least))
+        quantity = f"{told}: {most[number]} less {least[number]}"
+        found.append(claim_of(__package__, "ours", "ablation_claims", number, quantity, judge))
+    return found
+
+
+def _ends(planned: Sequence[CellName], key: int) -> tuple[CellName, CellName]:
+    """Of the cells that robots guide and that differ in one key alone, that with its least and that with its largest
+    value."""
+    groups: dict[CellName, list[CellName]] = {}
+    for cell in planned:
+        if cell[0] == PILOTS:
+            groups.setdefault((*cell[:key], *cell[key + 1 :]), []).append(cell)
+    ordered = sorted(max(groups.values(), key=len), key=lambda cell: float(str(cell[key])))
+    return ordered[0], ordered[-1]
+
+
+def _more(cells: Cells, one: CellName, other: CellName) -> list[Outcome]:
+    return [more("share that arrives", cells.difference(MEASURE, one, other), MARGIN)]
