@@ -4,16 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import partial
+from typing import Any
 
 from trials.evidence.claims import Entry, Question, all_must_hold, answers, claim_of
 from trials.evidence.outcomes import Outcome, more
-from trials.evidence.runs import CellName, Cells, Run
+from trials.evidence.runs import Cells, Run
 from trials.studies.piloting.claims import MARGIN
 from trials.studies.piloting.design import MEASURE, PILOTS
 
 KEYS = (
     "piloting.guides", "piloting.robots_a_wall", "pilots.speed_m_s", "herd.count", "herd.law", "herd.pipeline",
 )  # fmt: skip
+Values = tuple[Any, ...]
+"""Of the keys, in one cell."""
 NUMBERS = ("robots a wall", "speed of the pilots", "members of the herd")
 """Of `KEYS`, those from the second on that are numbers: each has a claim."""
 
@@ -35,16 +38,18 @@ def _questions(cells: Cells) -> list[Question]:
     return found
 
 
-def _ends(planned: Sequence[CellName], key: int) -> tuple[CellName, CellName]:
+def _ends(planned: Sequence[Values], key: int) -> tuple[Values, Values]:
     """Of the cells that robots guide and that differ in one key alone, that with its least and that with its largest
     value."""
-    groups: dict[CellName, list[CellName]] = {}
+    groups: dict[Values, list[Values]] = {}
     for cell in planned:
         if cell[0] == PILOTS:
             groups.setdefault((*cell[:key], *cell[key + 1 :]), []).append(cell)
-    ordered = sorted(max(groups.values(), key=len), key=lambda cell: float(str(cell[key])))
+    most = max(len(each) for each in groups.values())
+    largest = next(each for each in groups.values() if len(each) == most)
+    ordered = sorted(largest, key=lambda cell: float(cell[key]))
     return ordered[0], ordered[-1]
 
 
-def _more(cells: Cells, one: CellName, other: CellName) -> list[Outcome]:
+def _more(cells: Cells, one: Values, other: Values) -> list[Outcome]:
     return [more("share that arrives", cells.difference(MEASURE, one, other), MARGIN)]

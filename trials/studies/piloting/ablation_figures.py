@@ -35,7 +35,7 @@ def _panels(run: Run, place: Place) -> Figure:
     canvas, axes = draw.grid(len(TITLES), 3, width=9.0, height=5.0)
     for axis, (key, title) in zip(axes, TITLES.items(), strict=False):
         values = list(dict.fromkeys(trial.conditions[key] for trial in run.trials))
-        values = sorted(values) if not isinstance(values[0], str) else values  # type: ignore[type-var]
+        values = sorted(values) if not isinstance(values[0], str) else values
         for side, (guides, colour) in enumerate(COLOURS.items()):
             for x, value in enumerate(values):
                 wanted = {**usual, key: value, KEYS[0]: guides}

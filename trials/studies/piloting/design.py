@@ -23,8 +23,12 @@ TASKS = tuple(tasks.names())
 MEASURE = "arrived_share"
 FILE = "task.json"
 """Path that a trial's world is named by; its text travels with the trial."""
-START: dict[str, Value] = {"gap_m": 0.45, "length_m": 1.0, "half_width_m": 0.4, "heading_spread_deg": 10.0}
-"""A choice: four Creates across a street of 1.5 m."""
+START: dict[str, Value] = {"gap_m": 0.4, "half_width_m": 0.5, "heading_spread_deg": 10.0}
+"""A choice: Creates across a street of 1.5 m."""
+EACH_M = 0.25
+"""Length of the start for each of them. A choice."""
+GROWS_BY_ITSELF = 6
+"""Members from which on the formation `scattered` grows longer by itself."""
 PILOT_M_S = 0.4
 """A choice: pilots must be faster than the herd, and keep below a Create's 0.5 m/s."""
 SLOWNESS = 2.5
@@ -67,7 +71,11 @@ def finish(trial: Trial) -> Trial:
     if usual:
         guides = [dataclasses.replace(usual[0], count=plans.AT_ONCE * given.robots_a_wall)]
     own["duration_s"] = duration_s(name, float(herd[0].setup.get("speed_m_s", members.SPEED_M_S)))
-    placed = dataclasses.replace(trial, groups=(*herd, *guides))
+    count = sum(each.count for each in herd)
+    start: dict[str, Value] = {"length_m": EACH_M * min(max(members.COUNT, count), GROWS_BY_ITSELF)}
+    placed = dataclasses.replace(
+        trial, groups=(*herd, *guides), formation_parameters={**start, **trial.formation_parameters}
+    )
     if trial.world == FILE:
         placed = dataclasses.replace(placed, world_source=_workspace(name))
     return with_setup(placed, {**own, **trial.setup})
