@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -14,11 +15,13 @@ from generation.group import Group, Job
 from generation.piloting.course import arrived, course, passed
 from generation.piloting.plan import Plan
 from generation.piloting.task import Task
-from generation.primitives import Segment
+from generation.primitives import Point, Segment
 from generation.validation.starts import Starts, poses
 
 BEYOND_M = 1.2
 """Way along the next leg after which a member has passed a turn. A choice: as far as the walls of a turn reach."""
+BEFORE_M = 2.0
+"""Way before a corner at which herds start that are to make its turn alone. A choice: half of a leg of the tasks."""
 SLOWNESS = 2.5
 """How many times as long as the straight way a stage may take."""
 
@@ -48,14 +51,30 @@ class Staged(NamedTuple):
 
 def starts(task: Task, count: int, number: int, seed: int, side_m: float, apart_m: float) -> list[State]:
     """That many starts in a square about the task's start, all headed along the first leg within a tenth of a turn."""
-    at = dataclasses.replace(task.environment, markers={START: task.start})
+    return _starts(task, task.start, 0, count, number, (seed,), side_m, apart_m)
+
+
+def approaches(
+    task: Task, corner: int, count: int, number: int, seed: int, side_m: float, apart_m: float
+) -> list[State]:
+    """That many starts on the leg before a corner, `BEFORE_M` from it, or at its beginning where it is shorter."""
+    start, end = task.trajectory[corner - 1], task.trajectory[corner]
+    way = end - start
+    length = float(np.hypot(*way))
+    x, y = end - way * min(BEFORE_M, length) / length
+    at = Point(float(x), float(y), math.atan2(way[1], way[0]))
+    return _starts(task, at, corner - 1, count, number, (seed, corner), side_m, apart_m)
+
+
+def _starts(
+    task: Task, at: Point, leg: int, count: int, number: int, seed: tuple[int, ...], side_m: float, apart_m: float
+) -> list[State]:
+    there = dataclasses.replace(task.environment, markers={START: at})
     drawn = Starts(side_m=side_m, spread_rad=0.2, apart_m=apart_m, clear_m=apart_m / 2.0)
     found = []
     for k in range(number):
-        rng = np.random.default_rng((seed, k))
-        found.append(
-            State(poses(at, count, drawn, rng), np.zeros(count, np.int64), np.zeros(count, np.bool_), (seed, k))
-        )
+        placed = poses(there, count, drawn, np.random.default_rng((*seed, k)))
+        found.append(State(placed, np.full(count, leg, np.int64), np.zeros(count, np.bool_), (*seed, k)))
     return found
 
 

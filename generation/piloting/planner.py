@@ -24,7 +24,7 @@ from generation.group import Group
 from generation.piloting import chain
 from generation.piloting.chain import State
 from generation.piloting.formations import has_room
-from generation.piloting.plan import ROBOTS_A_WALL, Plan, Wall
+from generation.piloting.plan import ROBOTS_A_WALL, Plan, Wall, words
 from generation.piloting.task import Task
 
 
@@ -52,6 +52,8 @@ class Search(NamedTuple):
     """Share of their members that have to make a turn for its wall to be valid. A choice."""
     whole: float = 0.9
     """Share of the members of as many new herds that a whole plan has to guide to the goal. A choice."""
+    robots: float = 0.75
+    """Share of the robots that have to make a turn, where robots rank the walls. A choice."""
     breadth: int = 6
     """Valid walls of a turn that are gone on from, the best first."""
     budget: int = 100_000
@@ -74,6 +76,16 @@ class Progress:
     best: Plan | None = None
     """The longest chain of valid walls so far."""
     say: Callable[[str], None] = field(default=lambda line: None)
+
+
+class _Valid(NamedTuple):
+    """A valid wall of a turn."""
+
+    share: float
+    plan: Plan
+    """That ends with it."""
+    states: Sequence[State]
+    """Herds from which the search goes on."""
 
 
 class BudgetSpentError(InputError):
@@ -128,17 +140,19 @@ def search(
     static: bool = False,
     progress: Progress | None = None,
     begun: Plan | None = None,
+    robots: Group | None = None,
 ) -> Plan:
     """A plan whose walls guide new herds to the goal, at least by the share that is asked for.
 
     `step_m`: way of a member in an iteration. `begun`: a partial plan, with whose walls it begins.
+    `robots`: a group by which the steadiest of the valid walls of a turn are ranked anew, as many as are gone on from.
     Raises `BudgetSpentError` where the budget is spent, and `InputError` where the grid is: `progress.best` is then the
     longest chain of valid walls.
     """
     progress = progress or Progress()
     states = chain.starts(task, group.count, how.starts, how.seed, how.side_m, how.apart_m)
     fresh = chain.starts(task, group.count, how.starts, how.seed + 1, how.side_m, how.apart_m)
-    finder = _Finder(task, group, step_m, how, static, progress, fresh)
+    finder = _Finder(task, group, step_m, how, static, progress, fresh, robots)
     first = begun if begun is not None else Plan(task.name, static, ())
     for plan in finder.chains(first, finder.entering(first, states)):
         return plan
@@ -158,6 +172,7 @@ class _Finder:
     static: bool
     progress: Progress
     fresh: Sequence[State]
+    robots: Group | None
 
     def entering(self, plan: Plan, states: Sequence[State]) -> Sequence[State]:
         """Herds as `chains` takes them beside a plan, of herds at their start."""
@@ -183,7 +198,7 @@ class _Finder:
                 self.progress.say(f"turn {turn + 1} of {len(self.task.turns)}: {share:.2f} of the members make it")
             yield from self.chains(longer, states)
 
-    def _ranked(self, plan: Plan, entering: Sequence[State]) -> list[tuple[float, Plan, Sequence[State]]]:
+    def _ranked(self, plan: Plan, entering: Sequence[State]) -> list[_Valid]:
         """The valid walls of the next turn: share, the plan with it, and the herds from which the search goes on."""
         turn = len(plan.walls)
         corner = self.task.turns[turn]
@@ -198,7 +213,7 @@ class _Finder:
             (wall for wall, share in shares.items() if share >= self.how.share),
             key=lambda wall: (-steadiness(wall, shares, self.how.grid), wall),
         )
-        valid: list[tuple[float, Plan, Sequence[State]]] = []
+        valid: list[_Valid] = []
         for wall in found:
             (share, states), longer = tried[wall], self._longer(plan, wall)
             if len(valid) == self.how.breadth:
@@ -210,8 +225,25 @@ class _Finder:
                 if turn > 0:  # the wall stands while the one before is passed
                     first, on = self._taken(longer.segments(self.task, turn - 1), entering, self.task.turns[turn - 1])
             if first >= self.how.share:
-                valid.append((share, Plan(plan.task, plan.static, longer.walls, (*plan.shares, share)), on))
-        return valid
+                valid.append(_Valid(share, Plan(plan.task, plan.static, longer.walls, (*plan.shares, share)), on))
+        return self._confirmed(valid, corner) if self.robots is not None else valid
+
+    def _confirmed(self, valid: list[_Valid], corner: int) -> list[_Valid]:
+        """The valid walls of a turn, ranked by the share of the robots that make it; those that few make are left
+        out."""
+        assert self.robots is not None
+        how, found = self.how, []
+        for each in valid:
+            states = chain.approaches(
+                self.task, corner, self.robots.count, how.starts, how.seed, how.side_m, how.apart_m
+            )
+            self.progress.simulations += len(states)
+            walls = np.array([each.plan.walls[-1].segment(self.task)])
+            share = chain.share(chain.stage(self.task, self.robots, walls, states, corner, self.step_m))
+            self.progress.say(f"turn {corner}: {words(each.plan.walls[-1:])}: {share:.2f} of the robots make it")
+            found.append((share, each))
+        found.sort(key=lambda entry: -entry[0])
+        return [each._replace(share=share) for share, each in found if share >= self.how.robots]
 
     def _longer(self, plan: Plan, wall: Wall) -> Plan:
         return Plan(plan.task, plan.static, (*plan.walls, wall), plan.shares)

@@ -92,6 +92,9 @@ def plan(
     task: Annotated[str, Argument(metavar="TASK", help="Its name, as task-3, or the path of your own file.")],
     law: Annotated[str, Option(help="Its name, or the path of your own file.")] = "reynolds-boids",
     members: Annotated[int, Option(parser=whole(1, 100), metavar="N", help="Members of the herd.")] = 4,
+    body: Annotated[
+        str | None, Option(help="Ranks the walls of a turn anew by robots of that body in MuJoCo, as create.")
+    ] = None,
     static: Annotated[
         bool, Option("--static", help="Walls that stand all the time; by default they vanish once the herd is past.")
     ] = False,
@@ -102,6 +105,7 @@ def plan(
     share: Annotated[float, Option(metavar="P", help="Of their members, how many a wall must turn.")] = 0.95,
     budget: Annotated[int, Option(parser=whole(1), metavar="N", help="Most simulations of a stage.")] = 100_000,
     seed: Seed = 1,
+    jobs: Jobs = None,
     settings: Settings = None,
     out: Annotated[
         Path | None, Option(metavar="FILE", help="Gets the plan, or as much of it as was found, to go on with.")
@@ -117,7 +121,10 @@ def plan(
     if not 0.0 < share <= 1.0:
         raise InputError(f"--share {share:g}: expected a share above 0 and at most 1")
     own = options.settings(settings or [])
-    planning.plan(planning.Asked(task, law, members, static, exhaust, starts, share, budget, seed, own, out))
+    asked = planning.Asked(
+        task, law, members, body, static, exhaust, starts, share, budget, seed, jobs_of(jobs, None), own, out
+    )
+    planning.plan(asked)
 
 
 def map_(

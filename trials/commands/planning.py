@@ -24,12 +24,14 @@ class Asked(NamedTuple):
     task: str
     law: str
     members: int
+    body: str | None
     static: bool
     exhaust: bool
     starts: int
     share: float
     budget: int
     seed: int
+    jobs: int
     settings: Mapping[str, Any]
     out: Path | None
 
@@ -56,7 +58,9 @@ def _search(asked: Asked) -> None:
     begun = _begun(asked, task)
     progress = planner.Progress(say=lambda line: print(line, file=sys.stderr))
     try:
-        found = planner.search(task, group, members.STEP_M, how, asked.static, progress, begun)
+        found = planner.search(
+            task, group, members.STEP_M, how, asked.static, progress, begun, _robots(asked, group.count)
+        )
     except InputError:
         if progress.best is not None and asked.out is not None:
             _write(asked, progress.best, progress.simulations)
@@ -98,6 +102,27 @@ def _asked_for(asked: Asked) -> tuple[Task, Group]:
 
     own = {key.removeprefix("law."): value for key, value in asked.settings.items() if key.startswith("law.")}
     return task.load(asked.task), members.group(asked.law, asked.members, own)
+
+
+def _robots(asked: Asked, count: int) -> Group | None:
+    """Robots of the body that was asked for, which run the law with the members' numbers."""
+    from generation.piloting import members
+    from trials.environments.robots import robots
+
+    if asked.body is None:
+        return None
+    own = {key.removeprefix("law."): value for key, value in asked.settings.items() if key.startswith("law.")}
+    return robots(
+        asked.law,
+        count,
+        law_parameters={**members.of_law(asked.law), **own},
+        body=asked.body,
+        pipeline="sensor-based",
+        scale=1.0,
+        step_units=members.STEP_M,
+        setup={"speed_m_s": members.SPEED_M_S},
+        jobs=asked.jobs,
+    )
 
 
 def _grid(settings: Mapping[str, Any]) -> Grid:
