@@ -30,3 +30,4 @@ setup: .venv/ready
 pictures: setup
 	@$(BIN)/python -m scripts.picture
 	@$(BIN)/python -m scripts.formations
+	@$(BIN)/python -m scripts.tasks

@@ -46,6 +46,18 @@ def slots(segment: Floats, robots: int = ROBOTS_A_WALL) -> Floats:
     return np.asarray(segment[:2] + parts[:, None] * (segment[2:] - segment[:2]), dtype=np.float64)
 
 
+def along(segments: Floats, robots: int) -> Floats:
+    """(robots, 3) poses at equal distances along fences (K, 4), one after the other, each looking along its fence."""
+    if robots < 1 or len(segments) == 0:
+        raise InputError(f"{robots} robots along {len(segments)} fences; expected one of each at least")
+    ways = segments[:, 2:] - segments[:, :2]
+    ends = np.cumsum(np.hypot(*ways.T))
+    at = (np.arange(robots) + 0.5) / robots * ends[-1]
+    of = np.searchsorted(ends, at)
+    part = (at - (ends - np.hypot(*ways.T))[of]) / np.hypot(*ways.T)[of]
+    return np.column_stack([segments[of, :2] + part[:, None] * ways[of], np.arctan2(ways[of, 1], ways[of, 0])])
+
+
 def has_room(walls: Floats, segment: Floats, robots: int, radius_m: float) -> bool:
     """Whether robots of that radius can stand along a wall (4,) without touching one another or other walls (W, 4)."""
     places = slots(segment, robots)

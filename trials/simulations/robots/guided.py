@@ -6,6 +6,7 @@ them.
 
 from __future__ import annotations
 
+import dataclasses
 from functools import lru_cache
 from typing import Annotated, NamedTuple
 
@@ -22,6 +23,7 @@ from generation.piloting.routes import Ground, ground
 from generation.piloting.task import Task
 from trials.rows import below
 from trials.types import Group, Trial
+from worlds import known
 
 NONE = "none"
 PREFIX = "piloting."
@@ -111,16 +113,32 @@ def members(trial: Trial, pilots: bool) -> Ints:
     return np.flatnonzero(np.array(groups, dtype=np.bool_) == pilots)
 
 
+def herd(trial: Trial) -> Ints:
+    """Indices of the robots that a behaviour judges: all but those that guide them."""
+    return members(trial, pilots=False) if has_guides(trial) else np.arange(sum(each.count for each in trial.groups))
+
+
 def stands_along_walls(trial: Trial, group: Group) -> bool:
     """Whether a group of a trial starts along the walls that it holds, as pilots do."""
-    return group.name == GROUP and name_of(trial) != NONE
+    return group.name == GROUP and has_guides(trial)
+
+
+def has_guides(trial: Trial) -> bool:
+    """Whether a trial has the parameters of this file: it has a task, or is told by what its herd is guided."""
+    return name_of(trial) != NONE or f"{PREFIX}guides" in trial.setup
 
 
 def pilot_starts(trial: Trial) -> Floats:
     """(R, 3) poses of the pilots at the start, along the walls that stand first, each looking along its wall.
 
-    Raises `InputError` where their number does not fit the walls.
+    Without a task these are all walls of the world's construct, whether it stands or not, at equal distances. Raises
+    `InputError` where their number does not fit the walls.
     """
+    if name_of(trial) == NONE:
+        whole = {**trial.world_parameters, "construct": True}
+        built = known.environment_of(trial.world, trial.world_source, whole)
+        fences = dataclasses.replace(built, workspace=()).walls()
+        return formations.along(fences, len(members(trial, pilots=True)))
     given, task, plan = parameters(trial), task_of(trial), plan_of(trial)
     count = len(members(trial, pilots=True))
     places = formations.at_first(task, plan, count, given.robots_a_wall)

@@ -55,8 +55,8 @@ def _of_trial(trial: Trial) -> dict[str, Any]:
 
 
 def _guided(trial: Trial) -> list[Section]:
-    """The section of the task that a trial has, if it has one."""
-    if fields.of_trial(trial).task == guided.NONE:
+    """The section of what guides a trial's herd, if anything does."""
+    if not guided.has_guides(trial):
         return []
     return [section(guided.PREFIX, guided.Parameters, lambda: guided.parameters(trial)._asdict())]
 

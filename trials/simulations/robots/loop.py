@@ -14,6 +14,7 @@ from flocking.errors import InputError, StorageError
 from flocking.types import Floats
 from sensing.truth import judge
 from trials.simulations import judged, watch
+from trials.simulations.robots import guided
 from trials.simulations.robots.fields import iteration_s, of_trial
 from trials.simulations.robots.herd import Herd, assemble
 from trials.simulations.robots.log import SAMPLE_S, Log
@@ -74,17 +75,21 @@ def run_trial(trial: Trial, scans: str = "none", reraise: bool = False, folder: 
         result = dataclasses.replace(result, tables=herd.scenario.tables())
     if len(result.times) == 0:
         return result
-    guided = guidance(result) if herd.scenario is not None else {}
-    return dataclasses.replace(result, measures=measure(result) | _judged(result, given.behaviour) | guided)
+    found = measure(result) | _judged(result, given.behaviour)
+    if herd.scenario is not None:
+        found |= guidance(result)
+    return dataclasses.replace(result, measures=found)
 
 
 def _judged(result: TrialResult, behaviour: str) -> dict[str, float]:
-    """The measures by the trial's behaviour, of places at each of its iterations; none of a trial that failed."""
+    """The measures by the trial's behaviour, of places at each of its iterations, of all robots but those that guide; none
+    of a trial that failed."""
     if behaviour == judged.NONE or result.outcome != "done":
         return {}
     every, times = iteration_s(result.trial), result.times
     at = every * np.arange(math.floor(times[-1] / every + 1e-9) + 1)
-    places = result.poses_w[..., :2].reshape(len(times), -1)
+    herd = guided.herd(result.trial)
+    places = result.poses_w[:, herd, :2].reshape(len(times), -1)
     positions = np.column_stack([np.interp(at, times, column) for column in places.T])
     return judged.measure(result.trial, behaviour, positions.reshape(len(at), -1, 2))
 

@@ -30,13 +30,18 @@ def snapshots(task: str, rows: Sequence[tuple[str, TrialResult]], moments: int) 
 def moment(axis: Any, task: str, result: TrialResult, time: float) -> None:
     """Draws where all robots and walls are at a time, s, and the herd's ways so far."""
     found = tasks.load(task)
-    for wall in result.walls_w:
-        axis.plot(wall[[0, 2]], wall[[1, 3]], color="#888888", lw=0.6)
     axis.plot(*found.trajectory.T, ":", color="black", lw=0.8)
     axis.fill(*found.goal.T, color="#009e73", alpha=0.15, lw=0.0)
     for began, ended, *segment in result.tables["standing"]:
         if began <= time and not ended <= time:
             axis.plot(segment[::2], segment[1::2], color=WALL, lw=2.0)
+    robots_and_ways(axis, result, time)
+
+
+def robots_and_ways(axis: Any, result: TrialResult, time: float) -> None:
+    """Draws the world, where all robots are at a time, s, and their ways so far."""
+    for wall in result.walls_w:
+        axis.plot(wall[[0, 2]], wall[[1, 3]], color="#888888", lw=0.6)
     now = int(np.searchsorted(result.times, time).clip(0, len(result.times) - 1))
     for pilots, colour in ((False, GUIDED), (True, GUIDING)):
         members = guided.members(result.trial, pilots)
