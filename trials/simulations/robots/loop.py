@@ -82,8 +82,10 @@ def run_trial(trial: Trial, scans: str = "none", reraise: bool = False, folder: 
 
 
 def _judged(result: TrialResult, behaviour: str) -> dict[str, float]:
-    """The measures by the trial's behaviour, of places at each of its iterations, of all robots but those that guide; none
-    of a trial that failed."""
+    """The measures by the trial's behaviour, of places at each of its iterations; none of a trial that failed.
+
+    Robots that guide are not judged.
+    """
     if behaviour == judged.NONE or result.outcome != "done":
         return {}
     every, times = iteration_s(result.trial), result.times
