@@ -287,10 +287,7 @@ def world(
 
 app.command("import")(plans.import_)
 app.command()(plans.export)
-app.command()(environments.generate)
-app.command()(environments.validate)
-app.command("map")(environments.map_)
-app.command()(environments.plan)
+environments.add_to(app)
 
 
 @app.command()

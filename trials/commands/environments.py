@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, Literal
 
-from typer import Argument, Option
+from typer import Argument, Option, Typer
 
 from flocking.errors import InputError
 from trials.commands.arguments import Jobs, Seed, Settings, jobs_of, whole
@@ -127,6 +127,24 @@ def plan(
     planning.plan(asked)
 
 
+def pilot(
+    experiment: Annotated[str, Argument(help="Whose herd is guided through a task.")] = "piloting",
+    number: Annotated[int, Option("--trial", parser=whole(1), metavar="K", help="Number of a trial, from 1.")] = 2,
+    times: Annotated[float, Option(metavar="X", help="Times real time, where the machine is fast enough.")] = 4.0,
+    settings: Settings = None,
+    out: Annotated[Path | None, Option(metavar="FILE.rrd", help="Gets the recording.")] = None,
+) -> None:
+    """Runs one guided trial in which you say when a wall has been cleared.
+
+    Enter is the key that changes the formation, as in Fine 2015, section 8.2. Keys of --set are the experiment's.
+    """
+    from trials.commands import options, piloting
+
+    if not times > 0.0:
+        raise InputError(f"--times {times:g}: expected a number above 0")
+    piloting.pilot(experiment, number, times, options.settings(settings or []), out)
+
+
 def map_(
     schema: Annotated[str, Argument(metavar="SCHEMA", help="Its name, or the path of your own file.")],
     out: Annotated[Path, Option(metavar="DIR", help="A new folder: map.csv, map.json and figures.")],
@@ -172,3 +190,12 @@ def map_(
             out,
         )
     )
+
+
+def add_to(app: Typer) -> None:
+    """Adds these commands to the command `herd`."""
+    app.command()(generate)
+    app.command()(validate)
+    app.command("map")(map_)
+    app.command()(plan)
+    app.command()(pilot)

@@ -19,6 +19,7 @@ from trials.simulations.robots.fields import iteration_s, of_trial
 from trials.simulations.robots.herd import Herd, assemble
 from trials.simulations.robots.log import SAMPLE_S, Log
 from trials.simulations.robots.robot import LawError
+from trials.simulations.robots.scenario import Watcher
 from trials.types import Trial, TrialResult
 
 ACT, SENSE, SAMPLE = range(3)
@@ -29,14 +30,21 @@ class TrialError(RuntimeError):
     """A trial cannot go on; the message says why in one line."""
 
 
-def run_trial(trial: Trial, scans: str = "none", reraise: bool = False, folder: Path | None = None) -> TrialResult:
+def run_trial(
+    trial: Trial,
+    scans: str = "none",
+    reraise: bool = False,
+    folder: Path | None = None,
+    watcher: Watcher | None = None,
+) -> TrialResult:
     """Runs one trial and measures it; the same `Trial` gives the same result.
 
     `scans`: which scans to keep for a recording: `none`, `some` (2 Hz) or `all`. They do not change the result;
     until they are recorded they are kept in a file without a name in `folder`, or where temporary files are.
     Any error ends the trial, such as a simulation in MuJoCo that diverges or a law that returns nan: `outcome` is then
     `failed`, `reason` says why, and what was measured until then is kept; with `reraise` the error is raised instead.
-    Raises `InputError` for a trial that cannot be set up.
+    `watcher`: who says when a wall has been cleared, in a trial that has a task. Raises `InputError` for a trial that
+    cannot be set up.
     """
     from trials.simulations.robots.measures import measure
     from trials.simulations.robots.measures_guided import guidance
@@ -46,6 +54,8 @@ def run_trial(trial: Trial, scans: str = "none", reraise: bool = False, folder: 
     started = perf_counter()
     given = of_trial(trial)
     herd = assemble(trial, record=scans != "none")
+    if watcher is not None and herd.scenario is not None:
+        herd.scenario.watcher = watcher
     log = Log(trial, len(herd.robots), scans, folder=folder)
     built = perf_counter()
     outcome, reason = "done", ""

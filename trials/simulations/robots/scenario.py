@@ -18,17 +18,19 @@ from trials.simulations.robots import guided
 from trials.types import Trial
 from worlds.assemble import World
 
+Watcher = Callable[[float, int, int, int], bool]
+"""(time in s, walls cleared so far, robots past the next one, robots on their course) → whether it is cleared now."""
+
 
 class Guided:
     """A herd that is guided through a task."""
 
-    def __init__(
-        self, trial: Trial, world: World, tell: Callable[[int, Floats], None], cleared: Callable[[], bool] | None = None
-    ) -> None:
-        """`tell`: gives a pilot, by its index, a new goal (2,), m. `cleared`: says that a wall has been cleared, in
-        place of the herd's course: who watches, as in the document."""
+    def __init__(self, trial: Trial, world: World, tell: Callable[[int, Floats], None]) -> None:
+        """`tell`: gives a pilot, by its index, a new goal (2,), m."""
         self.given, self.task, self.plan = guided.parameters(trial), guided.task_of(trial), guided.plan_of(trial)
-        self.world, self.tell, self.cleared = world, tell, cleared
+        self.world, self.tell = world, tell
+        self.watcher: Watcher | None = None
+        """Says when a wall has been cleared, in place of the herd's course; as the user does in the document."""
         self.herd, self.pilots = guided.members(trial, pilots=False), guided.members(trial, pilots=True)
         self.passed = 0
         """Walls that have been cleared."""
@@ -50,7 +52,7 @@ class Guided:
         self._leg, self._astray = of.leg[0], of.astray[0]
         if not self.stages:
             self._begin(time, poses_w)
-        elif self.passed < len(self.plan.walls) and self._is_cleared(places, of):
+        elif self.passed < len(self.plan.walls) and self._is_cleared(time, places, of):
             self.passed += 1
             self._begin(time, poses_w)
         if self._drivers is not None:
@@ -60,10 +62,10 @@ class Guided:
         """What is kept of it: `stages` (S, 2) and `standing` (E, 6), as the lists above."""
         return {"stages": np.array(self.stages).reshape(-1, 2), "standing": np.array(self.rows).reshape(-1, 6)}
 
-    def _is_cleared(self, places: Floats, of: course.Course) -> bool:
-        if self.cleared is not None:
-            return self.cleared()
+    def _is_cleared(self, time: float, places: Floats, of: course.Course) -> bool:
         through = course.passed(self.task, places[None], of, self.task.turns[self.passed], self.given.beyond_m)[0]
+        if self.watcher is not None:
+            return self.watcher(time, self.passed, int(through.sum()), int((~self._astray).sum()))
         return bool(through.any() and (through | self._astray).all())
 
     def _begin(self, time: float, poses_w: Floats) -> None:
