@@ -21,10 +21,13 @@ KEEP_M = 0.55
 """Who is nearer than this, and before a robot, is waited for: two radii of a Create, and 0.2 m to brake in."""
 BEFORE = math.cos(math.radians(60.0))
 """Cosine of the largest angle from the way on at which somebody is before a robot."""
-ROOM_M = 0.45
-"""Distance of a route from robots that stand."""
+ROOM_M = 0.38
+"""Distance of a route from robots that stand: two radii of a Create, and 50 mm. So the middle place between two robots
+of a short wall, 0.35 m from each, is open from before it."""
 ARRIVED_M = 0.1
 """A robot this near to its place has arrived: it may stay that far off, as a Create at rest does."""
+CLEAR_M = 0.08
+"""Distance of routes from walls, beside the radius. A choice: what a Create is off its way in a bend."""
 ANEW_S = 2.0
 PATIENCE_S = 3.0
 
@@ -60,8 +63,11 @@ class Pilots:
                 stand = still | ~np.isnan(self._waits)
                 self._plan(k, time, places, herd, np.flatnonzero(stand & (np.arange(len(places)) != k)))
             aim = self._ahead(k, places[k])
-            others = [place for j, place in enumerate(places) if j != k and (still[j] or j < k)]
-            if len(aim) == 0 or self._met(places[k], aim, [*herd, *others]):
+            others = np.array([place for j, place in enumerate(places) if j != k and (still[j] or j < k)])
+            # whom it will stand beside it need not keep farther from than that
+            keep = np.minimum(KEEP_M, np.hypot(*(others.reshape(-1, 2) - self.goals[k]).T))
+            near = np.concatenate([herd, others.reshape(-1, 2)]), np.concatenate([np.full(len(herd), KEEP_M), keep])
+            if len(aim) == 0 or self._met(places[k], aim, *near):
                 self._wait(k, time, places, herd)
                 continue
             self._waits[k] = math.nan
@@ -79,16 +85,17 @@ class Pilots:
             return np.empty(0)
         nearest = int(np.hypot(*(way - place).T).argmin())
         run = np.append(0.0, np.cumsum(np.hypot(*np.diff(way[nearest:], axis=0).T)))
-        return np.asarray(way[nearest + int(np.flatnonzero(run <= AHEAD_M)[-1])])
+        within = int(np.flatnonzero(run <= AHEAD_M)[-1])
+        for further in range(within, 1, -1):  # round corners, not across them
+            if self.over.is_clear(place, way[nearest + further]):
+                return np.asarray(way[nearest + further])
+        return np.asarray(way[nearest + min(within, 1)])
 
-    def _met(self, place: Floats, aim: Floats, others: list[Floats]) -> bool:
-        """Whether somebody is near before a robot that is about to drive to `aim`."""
-        if not others:
-            return False
-        way, offsets = aim - place, np.array(others) - place
-        length, apart = np.hypot(*way), np.hypot(*offsets.T)
-        before = offsets @ way > BEFORE * apart * length
-        return bool(((apart < KEEP_M) & before).any())
+    def _met(self, place: Floats, aim: Floats, others: Floats, keep: Floats) -> bool:
+        """Whether any of the others (O, 2) is nearer than `keep` (O,) before a robot that drives to `aim`."""
+        way, offsets = aim - place, others - place
+        apart = np.hypot(*offsets.T)
+        return bool(((apart < keep) & (offsets @ way > BEFORE * apart * np.hypot(*way))).any())
 
     def _wait(self, k: int, time: float, places: Floats, herd: Floats) -> None:
         if math.isnan(self._waits[k]):

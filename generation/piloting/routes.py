@@ -53,6 +53,14 @@ class Ground:
         found = np.unravel_index(np.where(self.free, apart, math.inf).argmin(), apart.shape)
         return int(found[0]), int(found[1])
 
+    def is_clear(self, start: Floats, end: Floats) -> bool:
+        """Whether the straight way from one place (2,) to another leads over free cells alone."""
+        count = max(2, math.ceil(2.0 * float(np.hypot(*(end - start))) / CELL_M) + 1)
+        places = start + np.linspace(0.0, 1.0, count)[:, None] * (end - start)
+        cells = np.rint((places - self.origin) / CELL_M).astype(np.int64)
+        inside = ((cells >= 0) & (cells < self.free.shape)).all()
+        return bool(inside and self.free[cells[:, 0], cells[:, 1]].all())
+
 
 def ground(workspace: Environment, radius_m: float) -> Ground:
     """The cells of a workspace in which a disc of that radius touches no wall."""

@@ -13,7 +13,7 @@ import numpy as np
 
 from flocking.types import Floats
 from generation.piloting import course, formations
-from generation.piloting.pilots import Pilots
+from generation.piloting.pilots import CLEAR_M, Pilots
 from trials.simulations.robots import guided
 from trials.types import Trial
 from worlds.assemble import World
@@ -43,7 +43,7 @@ class Guided:
         self._drivers: Pilots | None = None
         if self.given.guides == guided.PILOTS:
             radius = max(world.bodies[k].radius for k in self.pilots)
-            self._drivers = Pilots(guided.ground_of(self.task.name, radius), len(self.pilots))
+            self._drivers = Pilots(guided.ground_of(self.task.name, radius + CLEAR_M), len(self.pilots))
 
     def update(self, time: float, poses_w: Floats) -> None:
         """Brings everything up to date with where robots are: poses (N, 3) at that time, s."""
