@@ -16,10 +16,12 @@ SCREEN_HEIGHT = 0.12  # m; ?: the laser's plane in its upper half, as of the Cre
 SCREEN_MASS = 0.05  # kg; ?: about 0.11 m² of cardboard at 0.4 kg/m²
 SCREEN = (0.8, 0.0)  # white board, as walls are; ?
 SILHOUETTE_RADIUS = SCREEN_SIDE / 2**0.5  # D: of the circle about the square
+TYRE_MARGIN = 3.01867e-3  # m; D: as of the Create, with the screen's inertia
 
 DIMENSIONS: Dimensions = CREATE._replace(
     name="create-pilot",
     silhouette_radius=SILHOUETTE_RADIUS,
+    tyre_margin=TYRE_MARGIN,
     parts=(
         *(part for part in CREATE.parts if part.name != "sheeting"),
         Part(

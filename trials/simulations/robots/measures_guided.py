@@ -23,7 +23,7 @@ ABOUT = {
 
 
 def guidance(result: TrialResult) -> dict[str, float]:
-    """The measures of a trial that has a task."""
+    """The measures of a trial that has a task; nan of pilots where there are none."""
     trial = result.trial
     herd, pilots = guided.members(trial, pilots=False), guided.members(trial, pilots=True)
     task, positions = guided.task_of(trial), result.poses_w[:, herd, :2]
@@ -36,7 +36,7 @@ def guidance(result: TrialResult) -> dict[str, float]:
         "astray_share": float((of.astray[-1] & ~there).mean()),
     }
     if len(pilots) == 0:
-        return found
+        return found | dict.fromkeys(ABOUT.keys() - found.keys(), math.nan)
     changes = stages[1:]
     ended = np.isfinite(changes[:, 1])
     one, other = np.isin(result.contacts.robots, pilots), np.isin(result.contacts.others, pilots)

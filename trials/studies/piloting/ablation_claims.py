@@ -29,23 +29,26 @@ def claims(run: Run) -> list[Entry]:
 def _questions(cells: Cells) -> list[Question]:
     planned, found = list(cells.planned()), []
     for number, told in enumerate(NUMBERS, start=1):
-        least, most = _ends(planned, number)
-        if least == most:
+        ends = _ends(planned, number)
+        if ends is None:
             continue
+        least, most = ends
         judge = all_must_hold(f"paired difference of the shares above {MARGIN:g}", partial(_more, cells, most, least))
         quantity = f"{told}: {most[number]} less {least[number]}"
         found.append(claim_of(__package__, "ours", "ablation_claims", number, quantity, judge))
     return found
 
 
-def _ends(planned: Sequence[Values], key: int) -> tuple[Values, Values]:
+def _ends(planned: Sequence[Values], key: int) -> tuple[Values, Values] | None:
     """Of the cells that robots guide and that differ in one key alone, that with its least and that with its largest
-    value."""
+    value; None where there are no two."""
     groups: dict[Values, list[Values]] = {}
     for cell in planned:
         if cell[0] == PILOTS:
             groups.setdefault((*cell[:key], *cell[key + 1 :]), []).append(cell)
-    most = max(len(each) for each in groups.values())
+    most = max((len(each) for each in groups.values()), default=0)
+    if most < 2:
+        return None
     largest = next(each for each in groups.values() if len(each) == most)
     ordered = sorted(largest, key=lambda cell: float(cell[key]))
     return ordered[0], ordered[-1]

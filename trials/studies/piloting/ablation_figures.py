@@ -12,7 +12,7 @@ from trials.reports import figures as draw
 from trials.reports.arms import by_arm
 from trials.reports.figures import Figure, Place
 from trials.studies.piloting.ablation_claims import KEYS
-from trials.studies.piloting.design import MEASURE
+from trials.studies.piloting.design import MEASURE, WALLS
 from trials.studies.piloting.figures import COLOURS, LABELS
 
 TITLES = {
@@ -31,14 +31,16 @@ def figures(run: Run, folder: Path) -> list[Figure]:
 
 def _panels(run: Run, place: Place) -> Figure:
     done = [row for row in run.rows() if row.status == "done"]
-    usual = {key: _most_common([trial.conditions[key] for trial in run.trials]) for key in TITLES}
+    usual = {key: _most_common([trial.conditions.get(key) for trial in run.trials]) for key in TITLES}
     canvas, axes = draw.grid(len(TITLES), 3, width=9.0, height=5.0)
     for axis, (key, title) in zip(axes, TITLES.items(), strict=False):
-        values = list(dict.fromkeys(trial.conditions[key] for trial in run.trials))
+        values = [each for each in dict.fromkeys(t.conditions.get(key) for t in run.trials) if each is not None]
         values = sorted(values) if not isinstance(values[0], str) else values
         for side, (guides, colour) in enumerate(COLOURS.items()):
             for x, value in enumerate(values):
                 wanted = {**usual, key: value, KEYS[0]: guides}
+                if guides == WALLS:
+                    del wanted["pilots.speed_m_s"]
                 own = np.array([row.measures[MEASURE] for row in done if wanted.items() <= row.conditions.items()])
                 if len(own) > 1:
                     decision = statistics.exceeds(own, 0.0)

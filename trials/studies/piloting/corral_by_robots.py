@@ -23,7 +23,7 @@ from trials.types import Trial, Value, with_setup
 REPEATS = 20
 RECORD = "first"
 COUNTS = (27, 36)
-CONDITIONS = {GUIDES: guided.GUIDES[:3], COUNT: COUNTS}
+CONDITIONS = {GUIDES: (guided.PILOTS, guided.WALLS, guided.NOTHING), COUNT: COUNTS}
 SOURCES = {
     GUIDES: Parameter("", "Fine 2015, figure 8.2", published=True),
     COUNT: Parameter("robots", "a choice: three a wall of 2 m, as in section 8.2, and four"),
@@ -53,11 +53,10 @@ def base(repeat: int) -> Trial:
 
 def cells(conditions: Mapping[str, Sequence[Any]]) -> list[dict[str, Value]]:
     """Each number of robots; the construct and the empty world once."""
-    first = conditions[COUNT][0]
     return [
-        {GUIDES: guides, COUNT: count}
+        {GUIDES: guides, **pilots}
         for guides in conditions[GUIDES]
-        for count in (conditions[COUNT] if guides == guided.PILOTS else (first,))
+        for pilots in ([{COUNT: count} for count in conditions[COUNT]] if guides == guided.PILOTS else [{}])
     ]
 
 

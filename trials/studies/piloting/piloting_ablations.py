@@ -26,7 +26,7 @@ LAW, PIPELINE = "herd.law", "herd.pipeline"
 REPEATS = 10
 RECORD = "first"
 CONDITIONS = {
-    GUIDES: (WALLS, PILOTS),
+    GUIDES: (PILOTS, WALLS),
     ROBOTS: (2, 3, 4, 5, 6),
     SPEED: (0.2, 0.3, 0.4, 0.5),
     COUNT: (1, 2, 4, 7, 10),
@@ -57,12 +57,13 @@ def base(repeat: int) -> Trial:
 def cells(conditions: Mapping[str, Sequence[Any]]) -> list[dict[str, Value]]:
     """All that differs from the usual in one key, and that beside walls where it makes sense."""
     usual = {key: value if value in conditions[key] else conditions[key][0] for key, value in USUAL.items()}
+    beside = {key: value for key, value in usual.items() if key != SPEED}  # no pilots, no speed of theirs
     found: list[dict[str, Value]] = []
     for guides in conditions[GUIDES]:
-        for key in conditions:
-            if key == GUIDES or (guides == WALLS and key not in BESIDE_WALLS):
-                continue
-            found += [{**usual, GUIDES: guides, key: value} for value in conditions[key]]
+        same, keys = (usual, USUAL) if guides == PILOTS else (beside, BESIDE_WALLS)
+        for key in keys:
+            if key != GUIDES:
+                found += [{**same, GUIDES: guides, key: value} for value in conditions[key]]
     return [cell for number, cell in enumerate(found) if cell not in found[:number]]
 
 
