@@ -15,11 +15,13 @@ from flocking.types import Floats
 from generation.free_space import crossed, distance
 from generation.piloting import sheepdogs
 from generation.piloting.pilots import Pilots
-from generation.piloting.routes import Ground
+from generation.piloting.routes import CELL_M, Ground
 from generation.piloting.task import Task
 
 EVERY_S = 1.0
 """A dog is sent anew so often: a choice; a herd goes 0.25 m meanwhile, and planning is slow."""
+ROOM_M = CELL_M / 2**0.5
+"""Kept from walls besides a dog's radius: by half a cell's diagonal a way from cell to cell may cut a corner."""
 BEHIND_M = 1.0
 """Of the first row of dogs at the start, behind the task's start: half a metre behind the last of a usual herd."""
 APART_M = 0.4
@@ -30,7 +32,7 @@ _MOST_ROWS = 50
 
 
 class Sheepdogs:
-    """Dogs that drive a herd by one of the rules."""
+    """Dogs that drive a herd by one of the rules, over ground in which they have `ROOM_M` besides their radius."""
 
     def __init__(self, over: Ground, count: int, rule: str) -> None:
         self.over, self.rule = over, rule

@@ -15,7 +15,7 @@ import numpy as np
 
 from flocking.types import Floats
 from generation.piloting import course, formations
-from generation.piloting.dogs import Sheepdogs
+from generation.piloting.dogs import ROOM_M, Sheepdogs
 from generation.piloting.pilots import Pilots
 from trials.simulations.robots import guided
 from trials.types import Trial
@@ -43,12 +43,12 @@ class Guided:
         self._held: dict[int, Any] = {}
         self._drivers: Pilots | None = None
         self._dogs: Sheepdogs | None = None
-        if self.given.guides in (guided.PILOTS, guided.SHEEPDOGS):
-            over = guided.ground_of(self.task.name, max(world.bodies[k].radius for k in self.pilots))
-            if self.given.guides == guided.PILOTS:
-                self._drivers = Pilots(over, len(self.pilots))
-            else:
-                self._dogs = Sheepdogs(over, len(self.pilots), self.given.rule)
+        radius = max((world.bodies[k].radius for k in self.pilots), default=0.0)
+        if self.given.guides == guided.PILOTS:
+            self._drivers = Pilots(guided.ground_of(self.task.name, radius), len(self.pilots))
+        elif self.given.guides == guided.SHEEPDOGS:
+            over = guided.ground_of(self.task.name, radius + ROOM_M)
+            self._dogs = Sheepdogs(over, len(self.pilots), self.given.rule)
 
     def update(self, time: float, poses_w: Floats) -> None:
         """Brings everything up to date with where robots are: poses (N, 3) at that time, s."""
