@@ -95,7 +95,7 @@ def _check_start(start: _Start) -> None:
     names = [f"{group.name}-{k + 1}" for group in trial.groups for k in range(group.count)]
     drawn = not start_poses.is_file(trial.formation)
     together = [
-        drawn and its.given.formation == TOGETHER and not guided.stands_along_walls(trial, its.group)
+        drawn and its.given.formation == TOGETHER and not guided.starts_by_task(trial, its.group)
         for its in groups
         for _ in range(its.given.count)
     ]

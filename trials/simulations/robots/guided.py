@@ -1,7 +1,7 @@
 """A herd that is guided through a task (Fine 2015, section 8.2): `task` names it, `piloting.*` says how it is guided.
 
 Walls stand all the time or as many as can be held at a time; or robots do, the group `pilots`, in formations along
-them.
+them; or the robots of that group drive the herd as sheepdogs do, which is ours.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import numpy as np
 from flocking.errors import InputError
 from flocking.parameters import Parameter, filled
 from flocking.types import Floats, Ints
-from generation.piloting import chain, formations
+from generation.piloting import chain, dogs, formations, sheepdogs
 from generation.piloting import plan as plans
 from generation.piloting import task as tasks
 from generation.piloting.plan import Plan
@@ -27,9 +27,9 @@ from worlds import known
 
 NONE = "none"
 PREFIX = "piloting."
-WALLS, PILOTS, NOTHING = GUIDES = ("walls", "pilots", "nothing")
+WALLS, PILOTS, NOTHING, SHEEPDOGS = GUIDES = ("walls", "pilots", "nothing", "sheepdogs")
 GROUP = "pilots"
-"""Name of the group of piloting robots; all others are guided."""
+"""Name of the group of piloting robots, or of sheepdogs; all others are guided."""
 
 
 class Parameters(NamedTuple):
@@ -41,6 +41,10 @@ class Parameters(NamedTuple):
             "", "Fine 2015, section 8.2: walls, or robots in formations along them", published=True, choices=GUIDES
         ),
     ] = WALLS
+    rule: Annotated[
+        str,
+        Parameter("", "of sheepdogs: Vaughan and others 2000, or Strömbom and others 2014", choices=sheepdogs.RULES),
+    ] = sheepdogs.STROMBOM
     walls: Annotated[
         str,
         Parameter(
@@ -93,9 +97,9 @@ def _task(name: str) -> Task:
 
 
 def plan_of(trial: Trial) -> Plan:
-    """The walls of a trial that has a task; none where nothing guides. Raises `InputError`."""
+    """The walls of a trial that has a task; none where nothing guides, or dogs do. Raises `InputError`."""
     given = parameters(trial)
-    walls = plans.of_words(given.walls) if given.guides != NOTHING else ()
+    walls = plans.of_words(given.walls) if given.guides in (WALLS, PILOTS) else ()
     return Plan(name_of(trial), given.guides == WALLS and given.at_once == 0, walls)
 
 
@@ -118,8 +122,8 @@ def herd(trial: Trial) -> Ints:
     return members(trial, pilots=False) if has_guides(trial) else np.arange(sum(each.count for each in trial.groups))
 
 
-def stands_along_walls(trial: Trial, group: Group) -> bool:
-    """Whether a group of a trial starts along the walls that it holds, as pilots do."""
+def starts_by_task(trial: Trial, group: Group) -> bool:
+    """Whether a group of a trial starts where its task says: along the walls that it holds, or behind the herd."""
     return group.name == GROUP and has_guides(trial)
 
 
@@ -131,8 +135,8 @@ def has_guides(trial: Trial) -> bool:
 def pilot_starts(trial: Trial) -> Floats:
     """(R, 3) poses of the pilots at the start, along the walls that stand first, each looking along its wall.
 
-    Without a task these are all walls of the world's construct, whether it stands or not, at equal distances. Raises
-    `InputError` where their number does not fit the walls.
+    Without a task these are all walls of the world's construct, whether it stands or not, at equal distances. Sheepdogs
+    stand behind the herd and look its way. Raises `InputError` where their number does not fit the walls, or the street.
     """
     if name_of(trial) == NONE:
         whole = {**trial.world_parameters, "construct": True}
@@ -141,6 +145,11 @@ def pilot_starts(trial: Trial) -> Floats:
         return formations.along(fences, len(members(trial, pilots=True)))
     given, task, plan = parameters(trial), task_of(trial), plan_of(trial)
     count = len(members(trial, pilots=True))
+    if given.guides == SHEEPDOGS:
+        behind = dogs.starts(task, count)
+        if len(behind) < count:
+            raise InputError(f"{count} sheepdogs, and room for {len(behind)} behind the start of {task.name}")
+        return np.column_stack([behind, np.full(count, task.start.heading_rad)])
     places = formations.at_first(task, plan, count, given.robots_a_wall)
     angles = [plan.walls[k].angle_deg for k in range(count // given.robots_a_wall)]
     return np.column_stack([places, np.radians(np.repeat(angles, given.robots_a_wall))])
@@ -157,7 +166,11 @@ def check(trial: Trial, radius_m: float) -> None:
     if name_of(trial) == NONE:
         return
     given, task, plan = parameters(trial), task_of(trial), plan_of(trial)
-    if given.guides == NOTHING:
+    if given.guides == SHEEPDOGS and not len(members(trial, pilots=True)):
+        raise InputError(
+            f"piloting.guides = {SHEEPDOGS!r} without a group {GROUP!r}; expected at least one robot in it"
+        )
+    if given.guides in (NOTHING, SHEEPDOGS):
         return
     if len(plan.walls) != len(task.turns):
         raise InputError(

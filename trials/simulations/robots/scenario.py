@@ -2,6 +2,8 @@
 
 At each sample the course of each guided robot is brought up to date. Once all of them that are still on their course
 have cleared a wall, the next stage begins: walls rise and vanish, or pilots are sent where they are wanted next.
+Sheepdogs know one stage: they drive the members that are still on their course to the corner of the trajectory that
+the last of these has next before it.
 """
 
 from __future__ import annotations
@@ -13,6 +15,7 @@ import numpy as np
 
 from flocking.types import Floats
 from generation.piloting import course, formations
+from generation.piloting.dogs import ROOM_M, Sheepdogs
 from generation.piloting.pilots import CLEAR_M, Pilots
 from trials.simulations.robots import guided
 from trials.types import Trial
@@ -41,9 +44,13 @@ class Guided:
         self._leg, self._astray = np.zeros(len(self.herd), np.int64), np.zeros(len(self.herd), np.bool_)
         self._held: dict[int, Any] = {}
         self._drivers: Pilots | None = None
+        self._dogs: Sheepdogs | None = None
+        radius = max((world.bodies[k].radius for k in self.pilots), default=0.0)
         if self.given.guides == guided.PILOTS:
-            radius = max(world.bodies[k].radius for k in self.pilots)
             self._drivers = Pilots(guided.ground_of(self.task.name, radius + CLEAR_M), len(self.pilots))
+        elif self.given.guides == guided.SHEEPDOGS:
+            over = guided.ground_of(self.task.name, radius + ROOM_M)
+            self._dogs = Sheepdogs(over, len(self.pilots), self.given.rule)
 
     def update(self, time: float, poses_w: Floats) -> None:
         """Brings everything up to date with where robots are: poses (N, 3) at that time, s."""
@@ -57,6 +64,8 @@ class Guided:
             self._begin(time, poses_w)
         if self._drivers is not None:
             self._drive(time, poses_w)
+        if self._dogs is not None:
+            self._herd(self._dogs, time, poses_w)
 
     def tables(self) -> dict[str, Floats]:
         """What is kept of it: `stages` (S, 2) and `standing` (E, 6), as the lists above."""
@@ -102,3 +111,11 @@ class Guided:
         began, stood = self.stages[-1]
         if np.isnan(stood) and self._drivers.arrived(places).all():
             self.stages[-1] = (began, time)
+
+    def _herd(self, dogs: Sheepdogs, time: float, poses_w: Floats) -> None:
+        """Dogs leave those that have gone astray, as stages do; once all have, they go after all."""
+        heeded = ~self._astray | self._astray.all()
+        goal = self.task.trajectory[self._leg[heeded].min() + 1]
+        places = dogs.targets(time, poses_w[self.pilots, :2], poses_w[self.herd[heeded], :2], goal)
+        for k, place in zip(self.pilots, places, strict=True):
+            self.tell(int(k), place)

@@ -24,15 +24,13 @@ def starting_poses(trial: Trial) -> Floats:
 
     The groups without a formation of their own share the trial's, in their order, put at the world's start; poses of a
     file stand where it says. A group's own formation is drawn from the group's own stream, turned by
-    `start_heading_deg` and put at `start_x_m`, `start_y_m`. Pilots stand along the walls that they hold first. Raises
-    `InputError`.
+    `start_heading_deg` and put at `start_x_m`, `start_y_m`. Pilots stand along the walls that they hold first,
+    sheepdogs behind the herd. Raises `InputError`.
     """
     given = [of_group(group) for group in trial.groups]
-    along_walls = [guided.stands_along_walls(trial, group) for group in trial.groups]
+    by_task = [guided.starts_by_task(trial, group) for group in trial.groups]
     shared = sum(
-        fields.count
-        for fields, along in zip(given, along_walls, strict=True)
-        if fields.formation == TOGETHER and not along
+        fields.count for fields, put in zip(given, by_task, strict=True) if fields.formation == TOGETHER and not put
     )
     rng = stream(trial.seed, trial.repeat, 0, 0, Purpose.START)
     together = np.empty((0, 3))
@@ -43,7 +41,7 @@ def starting_poses(trial: Trial) -> Floats:
         together = starts.put_at_start(environment_of(trial), drawn)
     parts, placed = [], 0
     for number, (group, fields) in enumerate(zip(trial.groups, given, strict=True)):
-        if along_walls[number]:
+        if by_task[number]:
             parts.append(guided.pilot_starts(trial))
             continue
         if fields.formation == TOGETHER:

@@ -18,7 +18,7 @@ from trials.simulations.robots.fields import group, trial
 from trials.types import Group, Trial, Value, with_setup
 
 TASK, GUIDES = KEYS = ("task", "piloting.guides")
-WALLS, PILOTS = guided.WALLS, guided.PILOTS
+WALLS, PILOTS, SHEEPDOGS, NOTHING = guided.WALLS, guided.PILOTS, guided.SHEEPDOGS, guided.NOTHING
 TASKS = tuple(tasks.names())
 MEASURE = "arrived_share"
 FILE = "task.json"
@@ -57,7 +57,8 @@ def pilots(count: int) -> Group:
 
 
 def finish(trial: Trial) -> Trial:
-    """The trial in its task's workspace, with its walls, as many pilots as two walls take, and its length."""
+    """The trial in its task's workspace, with its walls, as many pilots as two walls take or the dogs that it has, and
+    its length."""
     name = guided.name_of(trial)
     if name == guided.NONE:
         return trial
@@ -66,9 +67,10 @@ def finish(trial: Trial) -> Trial:
     if given.guides == WALLS and not found.static:
         own["piloting.at_once"] = plans.AT_ONCE
     herd = [each for each in trial.groups if each.name != guided.GROUP]
-    guides = [each for each in trial.groups if each.name == guided.GROUP] if given.guides == PILOTS else []
+    kept = given.guides in (PILOTS, SHEEPDOGS)
+    guides = [each for each in trial.groups if each.name == guided.GROUP] if kept else []
     usual = [each for each in guides if each.count == 2 * plans.ROBOTS_A_WALL]
-    if usual:
+    if usual and given.guides == PILOTS:
         guides = [dataclasses.replace(usual[0], count=plans.AT_ONCE * given.robots_a_wall)]
     own["duration_s"] = duration_s(name, float(herd[0].setup.get("speed_m_s", members.SPEED_M_S)))
     count = sum(each.count for each in herd)
