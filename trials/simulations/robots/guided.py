@@ -136,7 +136,7 @@ def pilot_starts(trial: Trial) -> Floats:
     """(R, 3) poses of the pilots at the start, along the walls that stand first, each looking along its wall.
 
     Without a task these are all walls of the world's construct, whether it stands or not, at equal distances. Sheepdogs
-    stand behind the herd and look its way. Raises `InputError` where their number does not fit the walls, or the street.
+    stand behind the herd and look its way. Raises `InputError` where their number does not fit the walls or the street.
     """
     if name_of(trial) == NONE:
         whole = {**trial.world_parameters, "construct": True}
