@@ -11,7 +11,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from flocking.errors import InputError
 from flocking.types import Floats
 from generation.piloting import task as tasks
-from generation.piloting.formations import assigned, changes, most_slots, slots
+from generation.piloting.formations import assigned, at_first, change, has_room, slots
 from generation.piloting.plan import Plan, Wall
 
 PLAN = Plan("task-1", False, (Wall(27, 315.0, 0.75), Wall(22, 135.0, 0.75), Wall(45, 315.0, 0.75)))
@@ -55,27 +55,42 @@ def test_who_stands_right_stays() -> None:
 def test_fewer_pilots_than_places_are_refused() -> None:
     with pytest.raises(InputError, match="2 pilots for 3 places"):
         assigned(np.zeros((2, 2)), np.zeros((3, 2)))
-    with pytest.raises(InputError, match="pilots"):
-        changes(tasks.load("task-1"), PLAN, np.zeros((5, 2)))
+
+
+@pytest.mark.parametrize(("pilots", "told"), [(5, "expected a multiple, as 6"), (2, "as 3"), (12, "at most 9")])
+def test_a_number_of_pilots_that_makes_no_whole_walls_is_refused(pilots: int, told: str) -> None:
+    with pytest.raises(InputError, match=told):
+        at_first(tasks.load("task-1"), PLAN, pilots)
 
 
 def test_six_pilots_hold_two_walls_of_three_and_those_of_the_next_wall_stay() -> None:
-    task = tasks.load("task-1")
-    assert most_slots(PLAN) == 6
-    first, second, third = changes(task, PLAN, np.random.default_rng(2).uniform(0.0, 12.0, (6, 2)))
-    assert len(first.robots) == len(second.robots) == 6
-    assert len(third.robots) == 3
-    assert_array_equal(first.robots[3:], second.robots[:3])  # of the wall that goes on standing
-    assert_allclose(first.slots[3:], second.slots[:3])
-    assert_array_equal(second.moving, np.sort(first.robots[:3]))
+    task, places = tasks.load("task-1"), np.random.default_rng(2).uniform(0.0, 12.0, (6, 2))
+    first = change(task, PLAN, 0, places)
+    assert set(first.walls) == {0, 1}
+    assert sorted(first.moving.tolist()) == list(range(6))
+    places[first.moving] = first.places
+    assert_allclose(places[first.walls[0]], slots(PLAN.walls[0].segment(task)))
+    second = change(task, PLAN, 1, places, first.walls)
+    assert_array_equal(second.walls[1], first.walls[1])  # the wall that goes on standing
+    assert_array_equal(np.sort(second.moving), np.sort(first.walls[0]))
+    places[second.moving] = second.places
+    third = change(task, PLAN, 2, places, second.walls)
+    assert set(third.walls) == {2}
     assert len(third.moving) == 0
-    for change in (first, second):
-        assert sorted(change.robots.tolist()) == list(range(6))
 
 
-def test_walls_that_stand_all_the_time_need_all_places_at_once() -> None:
-    static = Plan(PLAN.task, True, PLAN.walls)
-    assert most_slots(static) == 9
-    first, *others = changes(tasks.load("task-1"), static, np.zeros((9, 2)))
-    assert len(first.robots) == 9
-    assert all(len(change.moving) == 0 for change in others)
+def test_pilots_stand_in_their_first_formation_at_the_start() -> None:
+    task = tasks.load("task-1")
+    places = at_first(task, PLAN, 6)
+    assert_allclose(places, np.concatenate([slots(wall.segment(task)) for wall in PLAN.walls[:2]]))
+    moved = change(task, PLAN, 0, places)
+    assert_allclose(places[moved.moving], moved.places)
+
+
+def test_robots_have_room_along_a_wall_that_is_long_enough_and_off_others() -> None:
+    corridor = np.array([[0.0, 0.0, 10.0, 0.0], [10.0, 2.0, 0.0, 2.0]])
+    across = np.array([5.0, 0.4, 5.0, 1.6])
+    assert has_room(corridor, across, 3, 0.165)  # 0.4 m apart
+    assert not has_room(corridor, across, 4, 0.165)  # 0.3 m apart: less than two radii
+    along = np.array([2.0, 0.1, 6.0, 0.1])
+    assert not has_room(corridor, along, 3, 0.165)  # 0.1 m off a wall

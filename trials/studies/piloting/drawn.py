@@ -17,7 +17,7 @@ GUIDED, GUIDING, WALL = "#009e73", "#d55e00", "#f0c000"
 
 def snapshots(task: str, rows: Sequence[tuple[str, TrialResult]], moments: int) -> Any:
     """A canvas with a row of moments for each of the results, at equal times from the start on."""
-    canvas, axes = draw.grid(len(rows) * moments, moments, width=2.2 * moments, height=2.2 * len(rows))
+    canvas, axes = draw.grid(len(rows) * moments, moments, width=2.2 * moments, height=2.5)
     for line, (label, result) in enumerate(rows):
         times = np.linspace(0.0, _last(result), moments)
         for k, time in enumerate(times):
