@@ -9,9 +9,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from flocking.angles import wrap
+from flocking.compilation import compiled
 from flocking.errors import InputError
 from flocking.types import Floats
-from generation.free_space import crossed
 from generation.group import Job
 from generation.piloting import chain, planner, static
 from generation.piloting import plan as plans
@@ -20,7 +21,7 @@ from generation.piloting.plan import Plan, Wall
 from generation.piloting.planner import BudgetSpentError, Grid, Progress, Search
 
 STEP_M = 0.1
-COARSE = Grid(angle_step_deg=45.0, lengths_m=(2.12,))
+COARSE = Grid(angle_step_deg=45.0, lengths_m=(2.12,), robots=1, radius_m=0.0)
 """The diagonals of crossings, and walls across streets."""
 HOW = Search(grid=COARSE, starts=2, side_m=0.2, apart_m=0.0, share=1.0)
 
@@ -32,25 +33,43 @@ class Sliding:
 
     def trajectories(self, jobs: Sequence[Job], iterations: int) -> Iterator[Floats]:
         for job in jobs:
-            walls = job.environment.walls()
             x, y, heading = job.poses_w[0]
-            found = [(x, y)]
-            for _ in range(iterations):
-                heading = self._turned(walls, np.array([x, y]), heading)
-                x, y = x + STEP_M * math.cos(heading), y + STEP_M * math.sin(heading)
-                found.append((x, y))
-            yield np.array(found)[:, None]
+            yield slid(job.environment.walls(), x, y, heading, iterations)[:, None]
 
-    def _turned(self, walls: Floats, at: Floats, heading: float) -> float:
-        for _ in range(4):
-            ahead = at + 2.0 * STEP_M * np.array([math.cos(heading), math.sin(heading)])
-            met = [wall for wall in walls if crossed(wall[None], at, ahead[None])[0]]
-            if not met:
-                return heading
-            along = math.atan2(met[0][3] - met[0][1], met[0][2] - met[0][0])
-            turns = [math.remainder(along + half - heading, 2.0 * math.pi) for half in (0.0, math.pi)]
-            heading += min(turns, key=abs)
-        return heading + math.pi
+
+@compiled
+def slid(walls: Floats, x: float, y: float, heading: float, iterations: int) -> Floats:
+    """(iterations + 1, 2) the way of one member."""
+    found = np.empty((iterations + 1, 2))
+    found[0] = x, y
+    for step in range(iterations):
+        for turn in range(5):
+            if turn == 4:  # in a corner
+                heading += math.pi
+                break
+            met = met_by(walls, x, y, x + 2.0 * STEP_M * math.cos(heading), y + 2.0 * STEP_M * math.sin(heading))
+            if met < 0:
+                break
+            along = math.atan2(walls[met, 3] - walls[met, 1], walls[met, 2] - walls[met, 0])
+            one, other = wrap(along - heading), wrap(along + math.pi - heading)
+            heading += one if abs(one) < abs(other) else other
+        x, y = x + STEP_M * math.cos(heading), y + STEP_M * math.sin(heading)
+        found[step + 1] = x, y
+    return found
+
+
+@compiled
+def met_by(walls: Floats, x: float, y: float, to_x: float, to_y: float) -> int:
+    """The first wall that a straight way crosses; −1 = none."""
+    for k in range(len(walls)):
+        ax, ay, bx, by = walls[k, 0], walls[k, 1], walls[k, 2], walls[k, 3]
+        one = (to_x - x) * (ay - y) - (to_y - y) * (ax - x)
+        other = (to_x - x) * (by - y) - (to_y - y) * (bx - x)
+        start = (bx - ax) * (y - ay) - (by - ay) * (x - ax)
+        end = (bx - ax) * (to_y - ay) - (by - ay) * (to_x - ax)
+        if one * other <= 0.0 and start * end <= 0.0 and (one != 0.0 or other != 0.0):
+            return k
+    return -1
 
 
 @pytest.mark.parametrize("name", tasks.names())
@@ -112,7 +131,9 @@ def test_a_budget_that_is_spent_keeps_the_longest_chain() -> None:
 
 def test_a_grid_without_a_plan_says_what_was_tried() -> None:
     with pytest.raises(InputError, match="no plan of changing walls in the grid: the longest chain has 0 of 3"):
-        planner.search(tasks.load("task-1"), Sliding(), STEP_M, HOW._replace(grid=Grid(90.0, (0.3,))))
+        planner.search(
+            tasks.load("task-1"), Sliding(), STEP_M, HOW._replace(grid=Grid(90.0, (0.3,), robots=1, radius_m=0.0))
+        )
 
 
 def test_plans_stand_as_they_say_and_are_read_as_they_were_written(tmp_path: Path) -> None:

@@ -1,0 +1,65 @@
+"""`herd plan`: plans, partial plans that are gone on with, and what is refused in one line."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import pytest
+
+from generation.piloting import plan as plans
+from trials.commands import cli
+
+SMALL = ["--starts", "2", "--set", "grid.angle_step_deg=30", "--set", "grid.lengths_m=[1.5, 2.12]"]
+
+
+def run(monkeypatch: pytest.MonkeyPatch, *words: str) -> int:
+    monkeypatch.setattr(sys, "argv", ["herd", "plan", *words])
+    return cli.main()
+
+
+def test_a_plan_is_written_and_told(tmp_path: Path, capsys, monkeypatch) -> None:
+    out = tmp_path / "plan.json"
+    assert run(monkeypatch, "task-4", *SMALL, "--out", str(out)) == 0
+    told = capsys.readouterr().out
+    found = plans.read(out)
+    assert len(found.walls) == 3
+    assert plans.words(found.walls) in told
+    assert "of 20 new herds" in told
+    assert run(monkeypatch, "task-4", *SMALL, "--out", str(out)) == 2  # it is whole
+    assert "expected a new file" in capsys.readouterr().err
+
+
+def test_a_partial_plan_is_kept_and_gone_on_with(tmp_path: Path, capsys, monkeypatch) -> None:
+    out = tmp_path / "plan.json"
+    assert run(monkeypatch, "task-4", *SMALL, "--budget", "120", "--out", str(out)) == 2
+    told = capsys.readouterr().err
+    assert "no plan within 120 simulations" in told
+    partial = plans.read(out)
+    assert 0 < len(partial.walls) < 3
+    assert run(monkeypatch, "task-4", *SMALL, "--out", str(out)) == 0
+    assert plans.read(out).walls[: len(partial.walls)] == partial.walls
+
+
+def test_no_set_of_standing_walls_of_a_grid_solves_the_third_task(capsys, monkeypatch) -> None:
+    words = ["task-3", "--exhaust", "--starts", "3", "--set", "grid.angle_step_deg=90", "--set", "grid.lengths_m=[1.5]"]
+    assert run(monkeypatch, *words) == 0
+    assert "the best set guides 0.00 of the members" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (["task-9"], "did you mean task-"),
+        (["task-1", "--share", "2"], "expected a share above 0 and at most 1"),
+        (["task-1", "--set", "grid.angle=3"], "did you mean grid.angle_step_deg"),
+        (["task-1", "--set", "grid.lengths_m=[]"], "expected lengths above 0"),
+        (["task-1", "--law", "boids"], "boids"),
+        (["missing.json"], "missing.json"),
+    ],
+)
+def test_bad_input_is_one_line(words: list[str], told: str, capsys, monkeypatch) -> None:
+    assert run(monkeypatch, *words) == 2
+    error = capsys.readouterr().err
+    assert told in error
+    assert error.count("\n") == 1
