@@ -1,7 +1,7 @@
 """To a goal: straight to the place that a robot is told, and no farther.
 
-Ours, for robots that are sent: the pilots of a herd (Fine 2015, section 8.2), whose formation and ways are planned for
-them. Whoever tells the goal sees to it that the way there is free.
+Source: ours, for robots that are sent: the pilots of a herd (Fine 2015, section 8.2), whose formation and ways are
+planned for them. Whoever tells the goal sees to it that the way there is free.
 
 Reads its goal alone. Without one it stands.
 """
@@ -21,6 +21,7 @@ TAXONOMY = Taxonomy("homogeneous", "constrained", "continuous", "-", False, Fals
 VALIDATION = Validation("P", False, "-", "-", "-", "bounded obstacles")
 NO_ROW = "the pilots of section 8.2, which the tables leave out"
 FILLED = (Filled("motion computation", "how a piloting robot drives to its place", "straight, by way-points"),)
+CREATE: dict[str, float] = {}
 HERD = Herd(spacing_m=4.0, speed_m_s=1.0, dt_s=1.0)
 
 

@@ -21,8 +21,9 @@ from generation.free_space import distance, in_solid
 
 CELL_M = 0.15
 """Side of a cell. A choice: ten across a street of 1.5 m."""
+BESIDE = 2
+"""A choice: beside a wall and a neighbour 0.35 m off, as in a formation, one is too few to get to a place."""
 _NEIGHBOURS = ((1, 0), (0, 1), (1, 1), (1, -1))
-
 
 CLEAR_M = 0.5
 """Cells nearer than this to a member are closed. A choice: two radii of a Create, and one to spare."""
@@ -70,7 +71,7 @@ def route(over: Ground, start: Floats, goal: Floats, herd: Floats, blocked: Floa
     """(K, 2) places from a start (2,) to a goal (2,), both included, m; (0, 2) where no way is open.
 
     `herd` (M, 2): where members are; `blocked` (B, 2): what else stands in the way, which the robot keeps `room_m` off.
-    The cells of the start and of the goal, and those beside them, are open whoever stands there.
+    The cells of the start and of the goal, and `BESIDE` cells on all sides of them, are open whoever stands there.
     """
     first, last = over.cell(start), over.cell(goal)
     cost = np.where(over.free, 1.0, math.inf)
@@ -82,7 +83,7 @@ def route(over: Ground, start: Floats, goal: Floats, herd: Floats, blocked: Floa
     if len(blocked):
         cost[cdist(centres, blocked).min(axis=1).reshape(cost.shape) < room_m] = math.inf
     for x, y in (first, last):
-        around = (slice(max(x - 1, 0), x + 2), slice(max(y - 1, 0), y + 2))
+        around = (slice(max(x - BESIDE, 0), x + BESIDE + 1), slice(max(y - BESIDE, 0), y + BESIDE + 1))
         cost[around] = np.where(over.free[around] & ~np.isfinite(cost[around]), TIMES, cost[around])
     cells = _cheapest(cost, first, last)
     if len(cells) == 0:

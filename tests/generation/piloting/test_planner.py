@@ -8,10 +8,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numba import njit
 
 from flocking.errors import InputError
 from flocking.types import Floats
-from generation.free_space import crossed
 from generation.group import Job
 from generation.piloting import chain, planner, static
 from generation.piloting import plan as plans
@@ -26,31 +26,51 @@ HOW = Search(grid=COARSE, starts=2, side_m=0.2, apart_m=0.0, share=1.0)
 
 
 class Sliding:
-    """One member that goes straight on, and along a wall that its next step would cross, by the lesser turn."""
+    """One member that goes straight on, and along a wall that its next steps would cross, by the lesser turn."""
 
     count = 1
 
     def trajectories(self, jobs: Sequence[Job], iterations: int) -> Iterator[Floats]:
         for job in jobs:
-            walls = job.environment.walls()
             x, y, heading = job.poses_w[0]
-            found = [(x, y)]
-            for _ in range(iterations):
-                heading = self._turned(walls, np.array([x, y]), heading)
-                x, y = x + STEP_M * math.cos(heading), y + STEP_M * math.sin(heading)
-                found.append((x, y))
-            yield np.array(found)[:, None]
+            yield _slid(job.environment.walls(), float(x), float(y), float(heading), iterations)[:, None]
 
-    def _turned(self, walls: Floats, at: Floats, heading: float) -> float:
+
+@njit
+def _slid(walls: Floats, x: float, y: float, heading: float, iterations: int) -> Floats:  # pragma: no cover
+    found = np.empty((iterations + 1, 2))
+    found[0] = x, y
+    for k in range(iterations):
+        turned = False
         for _ in range(4):
-            ahead = at + 2.0 * STEP_M * np.array([math.cos(heading), math.sin(heading)])
-            met = [wall for wall in walls if crossed(wall[None], at, ahead[None])[0]]
-            if not met:
-                return heading
-            along = math.atan2(met[0][3] - met[0][1], met[0][2] - met[0][0])
-            turns = [math.remainder(along + half - heading, 2.0 * math.pi) for half in (0.0, math.pi)]
-            heading += min(turns, key=abs)
-        return heading + math.pi
+            met = _met(walls, x, y, 2.0 * STEP_M * math.cos(heading), 2.0 * STEP_M * math.sin(heading))
+            if met < 0:
+                turned = True
+                break
+            along = math.atan2(walls[met, 3] - walls[met, 1], walls[met, 2] - walls[met, 0])
+            one = (along - heading + math.pi) % (2.0 * math.pi) - math.pi
+            other = (along + 2.0 * math.pi - heading) % (2.0 * math.pi) - math.pi
+            heading += one if abs(one) <= abs(other) else other
+        if not turned:
+            heading += math.pi
+        x, y = x + STEP_M * math.cos(heading), y + STEP_M * math.sin(heading)
+        found[k + 1] = x, y
+    return found
+
+
+@njit
+def _met(walls: Floats, x: float, y: float, dx: float, dy: float) -> int:  # pragma: no cover
+    """The first of the walls that a step crosses; −1 = none."""
+    for k in range(len(walls)):
+        ex, ey = walls[k, 2] - walls[k, 0], walls[k, 3] - walls[k, 1]
+        ox, oy = walls[k, 0] - x, walls[k, 1] - y
+        cross = dx * ey - dy * ex
+        if cross == 0.0:
+            continue
+        part, along = (ox * ey - oy * ex) / cross, (ox * dy - oy * dx) / cross
+        if 0.0 <= part <= 1.0 and 0.0 <= along <= 1.0:
+            return k
+    return -1
 
 
 @pytest.mark.parametrize("name", tasks.names())
