@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numba import njit
 
 from flocking.angles import wrap
 from flocking.compilation import compiled
@@ -27,7 +28,7 @@ HOW = Search(grid=COARSE, starts=2, side_m=0.2, apart_m=0.0, share=1.0)
 
 
 class Sliding:
-    """One member that goes straight on, and along a wall that its next step would cross, by the lesser turn."""
+    """One member that goes straight on, and along a wall that its next steps would cross, by the lesser turn."""
 
     count = 1
 
@@ -158,3 +159,51 @@ def test_what_is_no_plan_is_refused_in_one_line(text: str) -> None:
 def test_a_wall_at_an_anchor_that_a_task_lacks_is_refused() -> None:
     with pytest.raises(InputError, match="anchors 1 to 64"):
         Wall(99, 0.0, 1.0).segment(tasks.load("task-1"))
+
+
+def test_walls_in_words_come_back_as_they_were() -> None:
+    walls = (Wall(27, 315.0, 0.75), Wall(1, 0.0, 2.12), Wall(45, 22.5, 1.06))
+    assert plans.words(walls) == "27 315 0.75, 1 0 2.12, 45 22.5 1.06"
+    assert plans.of_words(plans.words(walls)) == walls
+    assert plans.of_words(" ") == plans.of_words("") == ()
+    for name in tasks.names():
+        assert plans.of_words(plans.words(plans.shipped(name).walls)) == plans.shipped(name).walls
+
+
+@pytest.mark.parametrize(
+    "text", ["27", "27 315", "27 315 0.75 1", "a 1 1", "1.5 1 1", "1 nan 1", "1 1 0", "1 1 inf", ","]
+)
+def test_words_that_are_no_walls_are_refused_in_one_line(text: str) -> None:
+    with pytest.raises(InputError, match="expected its anchor, its angle in degrees and its length") as refused:
+        plans.of_words(text)
+    assert "\n" not in str(refused.value)
+
+
+def test_a_wall_is_the_steadier_the_better_its_neighbours_in_the_grid_do() -> None:
+    """Against means worked out by hand; a neighbour is one step of angle or length off, also past the full turn."""
+    grid = Grid(angle_step_deg=90.0, lengths_m=(1.0, 2.0, 3.0))
+    wall = Wall(1, 0.0, 1.0)
+    shares = {
+        wall: 1.0,
+        Wall(1, 270.0, 1.0): 0.4,  # a step of angle
+        Wall(1, 90.0, 2.0): 0.1,  # a step of each
+        Wall(1, 180.0, 1.0): 0.9,  # two steps
+        Wall(1, 0.0, 3.0): 0.8,
+        Wall(2, 0.0, 1.0): 0.7,  # another anchor
+    }
+    assert planner.steadiness(wall, shares, grid) == pytest.approx((1.0 + 0.4 + 0.1) / 3)
+    assert planner.steadiness(Wall(2, 0.0, 1.0), shares, grid) == 0.7
+
+
+@pytest.mark.parametrize("changing", [False, True])
+def test_a_search_goes_on_with_the_walls_that_were_found(changing: bool) -> None:
+    task, group = tasks.load("task-1"), Sliding()
+    whole = planner.search(task, group, STEP_M, HOW, static=not changing)
+    begun = Plan(task.name, not changing, whole.walls[:2], whole.shares[:2])
+    progress = Progress()
+    found = planner.search(task, group, STEP_M, HOW, static=not changing, progress=progress, begun=begun)
+    assert found.walls[:2] == begun.walls
+    assert len(found.walls) == 3
+    fresh = Progress()
+    planner.search(task, group, STEP_M, HOW, static=not changing, progress=fresh)
+    assert progress.simulations < fresh.simulations
