@@ -20,12 +20,12 @@ SCREEN = (0.8, 0.0)  # white board, as walls are; ?
 TYRE_MARGIN = 3.01862e-3  # m; D
 CASTER_MARGIN = 2.848e-5  # m; D
 SILHOUETTE_RADIUS = SCREEN_SIDE / 2**0.5  # D: of the circle about the square
-TYRE_MARGIN = 3.01867e-3  # m; D: as of the Create, with the screen's inertia
 
 DIMENSIONS: Dimensions = CREATE._replace(
     name="create-pilot",
     silhouette_radius=SILHOUETTE_RADIUS,
     tyre_margin=TYRE_MARGIN,
+    caster_margin=CASTER_MARGIN,
     parts=(
         *(part for part in CREATE.parts if part.name != "sheeting"),
         Part(

@@ -57,40 +57,65 @@ def test_fewer_pilots_than_places_are_refused() -> None:
         assigned(np.zeros((2, 2)), np.zeros((3, 2)))
 
 
-@pytest.mark.parametrize(("pilots", "told"), [(5, "expected a multiple, as 6"), (2, "as 3"), (12, "at most 9")])
-def test_a_number_of_pilots_that_makes_no_whole_walls_is_refused(pilots: int, told: str) -> None:
-    with pytest.raises(InputError, match=told):
-        at_first(tasks.load("task-1"), PLAN, pilots)
+def of_wall(number: int) -> Floats:
+    return slots(PLAN.walls[number].segment(tasks.load(PLAN.task)))
 
 
 def test_six_pilots_hold_two_walls_of_three_and_those_of_the_next_wall_stay() -> None:
     task, places = tasks.load("task-1"), np.random.default_rng(2).uniform(0.0, 12.0, (6, 2))
     first = change(task, PLAN, 0, places)
-    assert set(first.walls) == {0, 1}
+    assert list(first.walls) == [0, 1]
     assert sorted(first.moving.tolist()) == list(range(6))
-    places[first.moving] = first.places
-    assert_allclose(places[first.walls[0]], slots(PLAN.walls[0].segment(task)))
+    assert_allclose(first.places, np.concatenate([of_wall(0), of_wall(1)]))
+    assert_array_equal(first.moving, np.concatenate([first.walls[0], first.walls[1]]))
     second = change(task, PLAN, 1, places, first.walls)
-    assert_array_equal(second.walls[1], first.walls[1])  # the wall that goes on standing
+    assert list(second.walls) == [1, 2]
+    assert_array_equal(second.walls[1], first.walls[1])  # of the wall that goes on standing
     assert_array_equal(np.sort(second.moving), np.sort(first.walls[0]))
-    places[second.moving] = second.places
+    assert_allclose(second.places, of_wall(2))
     third = change(task, PLAN, 2, places, second.walls)
-    assert set(third.walls) == {2}
-    assert len(third.moving) == 0
+    assert list(third.walls) == [2]
+    assert_array_equal(third.walls[2], second.walls[2])
+    assert len(third.moving) == len(third.places) == 0
 
 
-def test_pilots_stand_in_their_first_formation_at_the_start() -> None:
+def test_those_who_stand_at_their_places_hold_them() -> None:
     task = tasks.load("task-1")
-    places = at_first(task, PLAN, 6)
-    assert_allclose(places, np.concatenate([slots(wall.segment(task)) for wall in PLAN.walls[:2]]))
-    moved = change(task, PLAN, 0, places)
-    assert_allclose(places[moved.moving], moved.places)
+    start = at_first(task, PLAN, 6)
+    assert_allclose(start, np.concatenate([of_wall(0), of_wall(1)]))
+    held = change(task, PLAN, 0, start)
+    assert_array_equal(held.moving, np.arange(6))
+    assert_allclose(held.places, start)
 
 
-def test_robots_have_room_along_a_wall_that_is_long_enough_and_off_others() -> None:
-    corridor = np.array([[0.0, 0.0, 10.0, 0.0], [10.0, 2.0, 0.0, 2.0]])
-    across = np.array([5.0, 0.4, 5.0, 1.6])
-    assert has_room(corridor, across, 3, 0.165)  # 0.4 m apart
-    assert not has_room(corridor, across, 4, 0.165)  # 0.3 m apart: less than two radii
-    along = np.array([2.0, 0.1, 6.0, 0.1])
-    assert not has_room(corridor, along, 3, 0.165)  # 0.1 m off a wall
+@pytest.mark.parametrize("pilots", [3, 6, 9])
+def test_as_many_walls_stand_first_as_there_are_pilots_for(pilots: int) -> None:
+    at = at_first(tasks.load("task-1"), PLAN, pilots)
+    assert_allclose(at, np.concatenate([of_wall(k) for k in range(pilots // 3)]))
+
+
+@pytest.mark.parametrize(
+    ("pilots", "told"),
+    [
+        (0, "expected a multiple, as 3"),
+        (2, "expected a multiple, as 3"),
+        (5, "as 6"),
+        (7, "as 6"),
+        (12, "expected at most 9"),
+    ],
+)
+def test_pilots_that_make_no_whole_walls_or_too_many_are_refused_in_one_line(pilots: int, told: str) -> None:
+    with pytest.raises(InputError, match=told) as refused:
+        at_first(tasks.load("task-1"), PLAN, pilots)
+    assert "\n" not in str(refused.value)
+
+
+def test_room_along_a_wall_is_two_radii_a_robot_and_one_to_other_walls() -> None:
+    wall = np.array([0.0, 0.0, 1.2, 0.0])
+    far = np.array([[0.0, 5.0, 1.0, 5.0]])
+    assert has_room(far, wall, 3, 0.199)  # 0.4 m from one to the next
+    assert not has_room(far, wall, 3, 0.201)
+    assert not has_room(far, wall, 4, 0.165)
+    assert has_room(far, wall * 0.2, 1, 0.165)  # one alone needs no length
+    for off, room in ((0.166, True), (0.164, False)):  # a wall that ends beside the first robot, 0.2 m along
+        assert has_room(np.array([[0.2, off, 0.2, 2.0]]), wall, 3, 0.165) is room

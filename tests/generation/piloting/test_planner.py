@@ -10,8 +10,6 @@ import numpy as np
 import pytest
 from numba import njit
 
-from flocking.angles import wrap
-from flocking.compilation import compiled
 from flocking.errors import InputError
 from flocking.types import Floats
 from generation.group import Job
@@ -22,7 +20,7 @@ from generation.piloting.plan import Plan, Wall
 from generation.piloting.planner import BudgetSpentError, Grid, Progress, Search
 
 STEP_M = 0.1
-COARSE = Grid(angle_step_deg=45.0, lengths_m=(2.12,), robots=1, radius_m=0.0)
+COARSE = Grid(angle_step_deg=45.0, lengths_m=(2.12,))
 """The diagonals of crossings, and walls across streets."""
 HOW = Search(grid=COARSE, starts=2, side_m=0.2, apart_m=0.0, share=1.0)
 
@@ -35,40 +33,42 @@ class Sliding:
     def trajectories(self, jobs: Sequence[Job], iterations: int) -> Iterator[Floats]:
         for job in jobs:
             x, y, heading = job.poses_w[0]
-            yield slid(job.environment.walls(), x, y, heading, iterations)[:, None]
+            yield _slid(job.environment.walls(), float(x), float(y), float(heading), iterations)[:, None]
 
 
-@compiled
-def slid(walls: Floats, x: float, y: float, heading: float, iterations: int) -> Floats:
-    """(iterations + 1, 2) the way of one member."""
+@njit
+def _slid(walls: Floats, x: float, y: float, heading: float, iterations: int) -> Floats:  # pragma: no cover
     found = np.empty((iterations + 1, 2))
     found[0] = x, y
-    for step in range(iterations):
-        for turn in range(5):
-            if turn == 4:  # in a corner
-                heading += math.pi
-                break
-            met = met_by(walls, x, y, x + 2.0 * STEP_M * math.cos(heading), y + 2.0 * STEP_M * math.sin(heading))
+    for k in range(iterations):
+        turned = False
+        for _ in range(4):
+            met = _met(walls, x, y, 2.0 * STEP_M * math.cos(heading), 2.0 * STEP_M * math.sin(heading))
             if met < 0:
+                turned = True
                 break
             along = math.atan2(walls[met, 3] - walls[met, 1], walls[met, 2] - walls[met, 0])
-            one, other = wrap(along - heading), wrap(along + math.pi - heading)
-            heading += one if abs(one) < abs(other) else other
+            one = (along - heading + math.pi) % (2.0 * math.pi) - math.pi
+            other = (along + 2.0 * math.pi - heading) % (2.0 * math.pi) - math.pi
+            heading += one if abs(one) <= abs(other) else other
+        if not turned:
+            heading += math.pi
         x, y = x + STEP_M * math.cos(heading), y + STEP_M * math.sin(heading)
-        found[step + 1] = x, y
+        found[k + 1] = x, y
     return found
 
 
-@compiled
-def met_by(walls: Floats, x: float, y: float, to_x: float, to_y: float) -> int:
-    """The first wall that a straight way crosses; −1 = none."""
+@njit
+def _met(walls: Floats, x: float, y: float, dx: float, dy: float) -> int:  # pragma: no cover
+    """The first of the walls that a step crosses; −1 = none."""
     for k in range(len(walls)):
-        ax, ay, bx, by = walls[k, 0], walls[k, 1], walls[k, 2], walls[k, 3]
-        one = (to_x - x) * (ay - y) - (to_y - y) * (ax - x)
-        other = (to_x - x) * (by - y) - (to_y - y) * (bx - x)
-        start = (bx - ax) * (y - ay) - (by - ay) * (x - ax)
-        end = (bx - ax) * (to_y - ay) - (by - ay) * (to_x - ax)
-        if one * other <= 0.0 and start * end <= 0.0 and (one != 0.0 or other != 0.0):
+        ex, ey = walls[k, 2] - walls[k, 0], walls[k, 3] - walls[k, 1]
+        ox, oy = walls[k, 0] - x, walls[k, 1] - y
+        cross = dx * ey - dy * ex
+        if cross == 0.0:
+            continue
+        part, along = (ox * ey - oy * ex) / cross, (ox * dy - oy * dx) / cross
+        if 0.0 <= part <= 1.0 and 0.0 <= along <= 1.0:
             return k
     return -1
 
@@ -132,9 +132,7 @@ def test_a_budget_that_is_spent_keeps_the_longest_chain() -> None:
 
 def test_a_grid_without_a_plan_says_what_was_tried() -> None:
     with pytest.raises(InputError, match="no plan of changing walls in the grid: the longest chain has 0 of 3"):
-        planner.search(
-            tasks.load("task-1"), Sliding(), STEP_M, HOW._replace(grid=Grid(90.0, (0.3,), robots=1, radius_m=0.0))
-        )
+        planner.search(tasks.load("task-1"), Sliding(), STEP_M, HOW._replace(grid=Grid(90.0, (0.3,))))
 
 
 def test_plans_stand_as_they_say_and_are_read_as_they_were_written(tmp_path: Path) -> None:
