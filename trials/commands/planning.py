@@ -62,7 +62,8 @@ def _search(asked: Asked) -> None:
             task, group, members.STEP_M, how, asked.static, progress, begun, _robots(asked, group.count)
         )
     except InputError:
-        if progress.best is not None and asked.out is not None:
+        part = progress.best is not None and len(progress.best.walls) < len(task.turns)  # else it guided no new herds
+        if part and progress.best is not None and asked.out is not None:
             _write(asked, progress.best, progress.simulations)
             print(
                 f"{len(progress.best.walls)} walls are kept in {asked.out}: the same command goes on", file=sys.stderr
