@@ -62,12 +62,11 @@ def _search(asked: Asked) -> None:
             task, group, members.STEP_M, how, asked.static, progress, begun, _robots(asked, group.count)
         )
     except InputError:
-        part = progress.best is not None and len(progress.best.walls) < len(task.turns)  # else it guided no new herds
-        if part and progress.best is not None and asked.out is not None:
-            _write(asked, progress.best, progress.simulations)
-            print(
-                f"{len(progress.best.walls)} walls are kept in {asked.out}: the same command goes on", file=sys.stderr
-            )
+        part = progress.best
+        whole = part is not None and len(part.walls) == len(task.turns)  # but guided no new herds
+        if part is not None and not whole and asked.out is not None:
+            _write(asked, part, progress.simulations)
+            print(f"{len(part.walls)} walls are kept in {asked.out}: the same command goes on", file=sys.stderr)
         raise
     _write(asked, found, progress.simulations)
     print(_told(task, found, progress.simulations))
