@@ -21,24 +21,24 @@ def pilot(experiment: str, number: int, times: float, settings: Mapping[str, Any
     """Runs the trial of that number of an experiment; `out` gets its recording. Raises `InputError`."""
     from trials import simulations
     from trials.design import plan
-    from trials.simulations.robots import guided, loop
 
     made = plan(experiment, settings=settings)
     if not 1 <= number <= len(made.trials):
         raise InputError(f"--trial {number}: {experiment} has trials 1 to {len(made.trials)}")
     trial = made.trials[number - 1]
-    if trial.simulation != "robots" or guided.name_of(trial) == guided.NONE:
+    own = simulations.of(trial)
+    if own.watched is None:
         raise InputError(f"experiment {experiment!r} has no task; expected one whose herd is guided, as piloting")
     if out is not None and out.exists():
         raise InputError(f"--out {out}: there is such a file; expected a new one")
-    guides = guided.parameters(trial).guides
-    print(f"{guided.name_of(trial)}, guided by {guides}: press Enter once the herd has cleared a wall")
-    result = loop.run_trial(trial, "some" if out is not None else "none", watcher=Watching(times))
+    told = ", ".join(f"{key} {value}" for key, value in trial.conditions.items())
+    print(f"trial {number}, {told}: press Enter once the herd has cleared a wall")
+    result = own.watched(trial, "some" if out is not None else "none", Watching(times))
     if result.reason:
         raise InputError(f"the trial ended: {result.reason}")
     print(f"{result.measures['arrived_share']:.2f} of the robots arrived")
     if out is not None:
-        simulations.of(trial).record(result, out)
+        own.record(result, out)
         print(f"recording   {out}")
 
 

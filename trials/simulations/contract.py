@@ -17,6 +17,10 @@ class KeysOf(Protocol):
     def __call__(self, trial: Trial, group: Group | None = None) -> list[Section]: ...
 
 
+Watcher = Callable[[float, int, int, int], bool]
+"""(time in s, walls cleared so far, members past the next one, members on their course) → whether it is cleared now."""
+
+
 @dataclass(frozen=True)
 class Simulation:
     """The functions and tables of a simulation. Functions that refuse what a user gave raise `InputError`."""
@@ -56,5 +60,8 @@ class Simulation:
     """Whether there are scans that a recording can keep."""
     world_xml: Callable[[Trial], str] | None = None
     """The trial's world as MJCF; None if there is none."""
+    watched: Callable[[Trial, str, Watcher], TrialResult] | None = None
+    """(trial, scans to keep, who says when the herd has cleared what guides it) → what was measured. Refuses a trial in
+    which nothing is to be said. None: there are no such trials."""
     headings: Mapping[str, str] = field(default_factory=dict)
     """The measures of the table on a terminal, with their headings; empty: the key measures."""

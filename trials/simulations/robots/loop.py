@@ -14,12 +14,12 @@ from flocking.errors import InputError, StorageError
 from flocking.types import Floats
 from sensing.truth import judge
 from trials.simulations import judged, watch
+from trials.simulations.contract import Watcher
 from trials.simulations.robots import guided
 from trials.simulations.robots.fields import iteration_s, of_trial
 from trials.simulations.robots.herd import Herd, assemble
 from trials.simulations.robots.log import SAMPLE_S, Log
 from trials.simulations.robots.robot import LawError
-from trials.simulations.robots.scenario import Watcher
 from trials.types import Trial, TrialResult
 
 ACT, SENSE, SAMPLE = range(3)

@@ -17,12 +17,10 @@ from flocking.types import Floats
 from generation.piloting import course, formations
 from generation.piloting.dogs import ROOM_M, Sheepdogs
 from generation.piloting.pilots import CLEAR_M, Pilots
+from trials.simulations.contract import Watcher
 from trials.simulations.robots import guided
 from trials.types import Trial
 from worlds.assemble import World
-
-Watcher = Callable[[float, int, int, int], bool]
-"""(time in s, walls cleared so far, robots past the next one, robots on their course) → whether it is cleared now."""
 
 
 class Guided:

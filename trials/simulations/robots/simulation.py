@@ -6,10 +6,11 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from flocking import found
+from flocking.errors import InputError
 from robots import body as bodies
 from trials.simulations import judged
-from trials.simulations.contract import Simulation
-from trials.simulations.robots import checks, fields, keys, measures_guided, worldfile
+from trials.simulations.contract import Simulation, Watcher
+from trials.simulations.robots import checks, fields, guided, keys, measures_guided, worldfile
 from trials.simulations.robots.measures import ABOUT, HEADINGS, KEY_MEASURES
 from trials.types import Trial, TrialResult, with_setup
 from worlds import formations, known, start_poses
@@ -30,6 +31,16 @@ def run_trial(trial: Trial, scans: str, reraise: bool, folder: Path | None) -> T
     from trials.simulations.robots import loop
 
     return loop.run_trial(trial, scans, reraise, folder)
+
+
+def watched(trial: Trial, scans: str, watcher: Watcher) -> TrialResult:
+    """Runs a trial in which a herd is guided, and somebody says when it has cleared a wall. Raises `InputError`."""
+    from trials.simulations.robots import loop
+
+    if guided.name_of(trial) == guided.NONE:
+        raise InputError(f"experiment {trial.experiment!r} has no task; expected one whose herd is guided, as piloting")
+    checks.check(trial)
+    return loop.run_trial(trial, scans, watcher=watcher)
 
 
 def record(result: TrialResult, path: Path) -> None:
@@ -98,4 +109,5 @@ SIMULATION = Simulation(
     has_scans=True,
     world_xml=worldfile.world_xml,
     headings=HEADINGS,
+    watched=watched,
 )
