@@ -4,6 +4,7 @@ Entities (times on the timeline `time`, s; lengths in metres, world frame):
 
     world                       static transform: the viewer's plane has y downwards, the world upwards
     world/walls, world/paths    the walls; the whole path of each robot
+    world/standing              the walls that rise and vanish, a row for each change
     world/robots/ROBOT          its pose over time; below it body, name, heading and pressed bumpers, which move with it
     world/trails                the path in pieces (the layout shows those of the last seconds)
     world/scans/ROBOT           returns, coloured by intensity (grey where it was not given)
@@ -36,6 +37,7 @@ from trials.simulations.robots.measures import GROUP_CUT_M
 from trials.types import TrialResult
 
 WALL_COLOUR = 0x6E7B8BFF
+STANDING_COLOUR = 0xF0C000FF
 PATH_ALPHA = 0x50
 HEADING_COLOUR = 0xF5F7FAFF
 CONTACT_COLOUR = 0xFFFFFFFF
@@ -57,6 +59,7 @@ def write(result: TrialResult, path: Path) -> None:
     """
     with opened(result.trial, path, screen.blueprint(result)) as recording:
         _world(recording, result)
+        _standing(recording, result)
         _robots(recording, result)
         recorded_senses.send_updates(recording, result)
         recorded_senses.send_scans(recording, result)
@@ -71,6 +74,20 @@ def _world(recording: rr.RecordingStream, result: TrialResult) -> None:
         recording.log("world/walls", rr.LineStrips2D(walls, colors=packed([WALL_COLOUR]), radii=[0.015]), static=True)
     recording.log("about", rr.TextDocument(screen.about(result), media_type="text/markdown"), static=True)
     recording.log("legend", rr.TextDocument(screen.LEGEND, media_type="text/markdown"), static=True)
+
+
+def _standing(recording: rr.RecordingStream, result: TrialResult) -> None:
+    """Sends the walls that rise and vanish while a herd is guided: at each change all that stand from then on."""
+    rows = result.tables.get("standing", np.empty((0, 6)))
+    if len(rows) == 0:
+        return
+    times = np.unique(rows[:, :2][np.isfinite(rows[:, :2])])
+    stand = [rows[(rows[:, 0] <= time) & ~(rows[:, 1] <= time), 2:].reshape(-1, 2, 2) for time in times]
+    strips = np.concatenate(stand).astype(np.float32)
+    style = rr.LineStrips2D.from_fields(colors=packed([STANDING_COLOUR]), radii=[0.03], draw_order=5.0)
+    recording.log("world/standing", style, static=True)
+    columns = rr.LineStrips2D.columns(strips=strips).partition(np.array([len(each) for each in stand]))
+    recording.send_columns("world/standing", [times_column(times)], columns)
 
 
 def _robots(recording: rr.RecordingStream, result: TrialResult) -> None:

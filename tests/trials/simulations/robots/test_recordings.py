@@ -214,6 +214,18 @@ def test_contacts_and_bumpers_come_back(result: TrialResult, written: Callable[.
         np.testing.assert_array_equal(np.stack([left, right], axis=1), result.bumpers[:, k])
 
 
+def test_walls_that_rise_and_vanish_come_back(result: TrialResult, written: Callable[..., Recording]) -> None:
+    one, other, third = [0.0, 0.0, 1.0, 0.0], [2.0, 0.0, 2.0, 1.0], [3.0, 3.0, 4.0, 4.0]
+    table = np.array([[0.0, 0.5, *one], [0.0, np.nan, *other], [0.5, np.nan, *third]])
+    rows = written(dataclasses.replace(result, tables={"standing": table})).rows(
+        "/world/standing", "LineStrips2D:strips"
+    )
+    rows = [(time, strips) for time, strips in rows if np.isfinite(time)]
+    assert [time for time, _ in rows] == [0.0, 0.5]
+    np.testing.assert_allclose(np.array(rows[0][1]).reshape(-1, 4), [one, other])
+    np.testing.assert_allclose(np.array(rows[1][1]).reshape(-1, 4), [other, third])
+
+
 def test_the_file_brings_its_screen(result: TrialResult, written: Callable[..., Recording]) -> None:
     recording = written(result)
     assert len(recording.blueprints) == 1
