@@ -41,13 +41,22 @@ def herd(*words: str, cwd: Path) -> subprocess.CompletedProcess[str]:
     )
 
 
+def keep_environment(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What the command sets for the processes that it starts is undone after the test.
+
+    `os.environ` itself stays: Rich keeps the one that it meets when it is imported.
+    """
+    for name in ("PYTHONSAFEPATH", "PYTHONPATH"):
+        monkeypatch.setenv(name, os.environ.get(name, ""))
+
+
 @pytest.fixture
 def here(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Callable[..., tuple[int, str, str]]:
     """The command in the tests' own process: its exit code, what it prints, and its errors."""
 
     def called(*words: str, cwd: Path) -> tuple[int, str, str]:
         monkeypatch.chdir(cwd)
-        monkeypatch.setattr("os.environ", dict(os.environ))
+        keep_environment(monkeypatch)
         monkeypatch.setattr(sys, "argv", ["herd", *words])
         code = cli.main()
         return code, *capsys.readouterr()
@@ -257,7 +266,7 @@ def test_ctrl_c_during_a_report_says_what_is_missing(
         raise KeyboardInterrupt
 
     monkeypatch.setattr("trials.reports.report.report", interrupted)
-    monkeypatch.setattr("os.environ", dict(os.environ))
+    keep_environment(monkeypatch)
     monkeypatch.setattr(sys, "argv", ["herd", "report", str(tmp_path / "my run")])
     assert cli.main() == 130
     again = command("report", str(tmp_path / "my run"))
