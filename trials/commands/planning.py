@@ -61,7 +61,7 @@ def _search(asked: Asked) -> None:
         found = planner.search(
             task, group, members.STEP_M, how, asked.static, progress, begun, _robots(asked, group.count)
         )
-    except InputError:
+    except (InputError, KeyboardInterrupt):
         part = progress.best
         whole = part is not None and len(part.walls) == len(task.turns)  # but guided no new herds
         if part is not None and not whole and asked.out is not None:

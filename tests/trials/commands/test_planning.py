@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from generation.piloting import plan as plans
+from generation.piloting import planner
 from trials.commands import cli
 
 SMALL = ["--starts", "2", "--set", "grid.angle_step_deg=30", "--set", "grid.lengths_m=[1.5, 2.12]"]
@@ -39,6 +40,19 @@ def test_a_partial_plan_is_kept_and_gone_on_with(tmp_path: Path, capsys, monkeyp
     assert 0 < len(partial.walls) < 3
     assert run(monkeypatch, "task-4", *SMALL, "--out", str(out)) == 0
     assert plans.read(out).walls[: len(partial.walls)] == partial.walls
+
+
+def test_ctrl_c_keeps_the_walls_that_were_found(tmp_path: Path, capsys, monkeypatch) -> None:
+    def interrupted(*given: object) -> None:
+        progress = next(each for each in given if isinstance(each, planner.Progress))
+        progress.best = plans.Plan("task-4", False, (plans.Wall(19, 60.0, 2.12),), (1.0,))
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(planner, "search", interrupted)
+    out = tmp_path / "plan.json"
+    assert run(monkeypatch, "task-4", "--out", str(out)) == 130
+    assert f"1 walls are kept in {out}: the same command goes on" in capsys.readouterr().err
+    assert len(plans.read(out).walls) == 1
 
 
 def test_no_set_of_standing_walls_of_a_grid_solves_the_third_task(capsys, monkeypatch) -> None:
