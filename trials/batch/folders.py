@@ -67,18 +67,28 @@ def alone(folder: Path) -> Iterator[None]:
     """
     with reading(folder):
         handle = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
+    at_work = f"another process is running the trials of {folder}"
     try:
         try:
             fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError as error:
-            raise InputError(f"another process is running the trials of {folder}") from error
+            raise InputError(at_work) from error
         except OSError:  # a file system without locks
             pass
+        if not _is_open_as(handle, folder):  # removed since it was opened, and perhaps made again
+            raise InputError(at_work)
         _clear(folder)
         yield
         _clear(folder)
     finally:
         os.close(handle)
+
+
+def _is_open_as(handle: int, folder: Path) -> bool:
+    try:
+        return os.path.samestat(os.fstat(handle), folder.stat())
+    except OSError:
+        return False
 
 
 def check_name(folder: Path | None) -> None:
@@ -93,17 +103,18 @@ def check_name(folder: Path | None) -> None:
 def new_folder(out: Path | None, experiment: str) -> Iterator[Path]:
     """The folder for a new run, locked: `out`, made where it is not yet, or the next numbered one of the experiment.
 
-    A folder that was made here and in which nothing is left is removed at the end. Raises `InputError` if `out` is a
-    file, or another process is at work there.
+    A folder that was made here and in which nothing is left is removed at the end, while it is still locked: an empty
+    folder may be that of another process, which has yet to write. Raises `InputError` if `out` is a file, or another
+    process is at work there.
     """
     folder, made = (out, made_new(out)) if out is not None else (next_folder(experiment), True)
-    try:
-        with alone(folder):
+    with alone(folder):
+        try:
             yield folder
-    finally:
-        if made:
-            with suppress(OSError):
-                folder.rmdir()
+        finally:
+            if made:
+                with suppress(OSError):
+                    folder.rmdir()
 
 
 def made_new(folder: Path) -> bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import errno
+import fcntl
 import json
 import math
 import os
@@ -212,6 +213,39 @@ def test_of_many_starts_in_one_folder_one_wins_and_loses_nothing(tmp_path: Path)
     for name in MADE:
         assert (tmp_path / "run" / name).exists()
     assert store.opened(tmp_path / "run").rows() == []
+
+
+def test_who_made_a_folder_and_came_second_leaves_it_to_the_first(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Between making and locking another process may lock: its folder is empty until it writes."""
+    folder = tmp_path / "run"
+    folder.mkdir()
+    monkeypatch.setattr(folders, "made_new", lambda folder: True)
+    with folders.alone(folder):
+        with pytest.raises(InputError, match="another process"), folders.new_folder(folder, "fake"):
+            pass
+        assert folder.exists()
+    with folders.new_folder(folder, "fake"):
+        pass
+    assert not folder.exists()
+
+
+@pytest.mark.parametrize("again", [True, False])
+def test_a_folder_that_went_before_it_was_locked_is_not_worked_in(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, again: bool
+) -> None:
+    folder = tmp_path / "run"
+    folder.mkdir()
+
+    def lock_too_late(handle: int, operation: int) -> None:
+        folder.rename(tmp_path / "gone")
+        if again:
+            folder.mkdir()
+
+    monkeypatch.setattr(fcntl, "flock", lock_too_late)
+    with pytest.raises(InputError, match="another process"), folders.alone(folder):
+        pass
 
 
 @pytest.mark.skipif(os.geteuid() == 0, reason="root may write everywhere")
