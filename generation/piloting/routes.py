@@ -79,7 +79,8 @@ def route(over: Ground, start: Floats, goal: Floats, herd: Floats, blocked: Floa
     """(K, 2) places from a start (2,) to a goal (2,), both included, m; (0, 2) where no way is open.
 
     `herd` (M, 2): where members are; `blocked` (B, 2): what else stands in the way, which the robot keeps `room_m` off.
-    The cells of the start and of the goal, and `BESIDE` cells on all sides of them, are open whoever stands there.
+    The cells of the start and of the goal, and `BESIDE` cells on all sides of them, are open whoever stands there; but
+    dearer than all others are those that lead nearer by what stands than the start or the goal is itself.
     """
     first, last = over.cell(start), over.cell(goal)
     cost = np.where(over.free, 1.0, math.inf)
@@ -90,14 +91,24 @@ def route(over: Ground, start: Floats, goal: Floats, herd: Floats, blocked: Floa
         cost[near < CLEAR_M] = math.inf
     if len(blocked):
         cost[cdist(centres, blocked).min(axis=1).reshape(cost.shape) < room_m] = math.inf
-    for x, y in (first, last):
+    beside = np.full(cost.shape, math.inf)
+    for (x, y), place in ((first, start), (last, goal)):
         around = (slice(max(x - BESIDE, 0), x + BESIDE + 1), slice(max(y - BESIDE, 0), y + BESIDE + 1))
-        cost[around] = np.where(over.free[around] & ~np.isfinite(cost[around]), TIMES, cost[around])
+        dear = np.where(_nearer(over.centres[around], blocked, place, room_m), TIMES**2, TIMES)
+        beside[around] = np.minimum(beside[around], dear)
+    cost = np.where(over.free & ~np.isfinite(cost), beside, cost)
     cells = _cheapest(cost, first, last)
     if len(cells) == 0:
         return np.empty((0, 2))
     way = over.centres[cells[:, 0], cells[:, 1]]
     return np.concatenate([np.array([start]), way[1:-1], np.array([goal])])
+
+
+def _nearer(cells: Floats, blocked: Floats, place: Floats, room_m: float) -> Bools:
+    """(X, Y) which cells (X, Y, 2) are nearer to any of what stands (B, 2) than a place (2,) is, and than `room_m`."""
+    apart = np.hypot(*(cells[:, :, None] - blocked).transpose(3, 0, 1, 2))
+    own = np.hypot(*(blocked - place).T)
+    return np.asarray((apart < np.minimum(room_m, own)).any(axis=2))
 
 
 def _cheapest(cost: Floats, first: tuple[int, int], last: tuple[int, int]) -> Ints:

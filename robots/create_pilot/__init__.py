@@ -1,4 +1,4 @@
-"""A Create that others take for a part of a wall: a square screen in place of the reflective paper."""
+"""A Create that others take for a part of a wall: a cross of boards in place of the reflective paper."""
 
 from __future__ import annotations
 

@@ -9,11 +9,10 @@ the last of these has next before it.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 
-from flocking.types import Floats
+from flocking.types import Floats, Ints
 from generation.piloting import course, formations
 from generation.piloting.dogs import ROOM_M, Sheepdogs
 from generation.piloting.pilots import CLEAR_M, Pilots
@@ -36,11 +35,13 @@ class Guided:
         self.passed = 0
         """Walls that have been cleared."""
         self.stages: list[tuple[float, float]] = []
-        """When each stage began, and when its pilots had arrived (nan: not yet), s."""
+        """When each stage began, and when the pilots that were sent then stood in their places (nan: never), s."""
         self.rows: list[tuple[float, float, float, float, float, float]] = []
         """Walls that stood: from, to (nan: to the end), x0, y0, x1, y1."""
         self._leg, self._astray = np.zeros(len(self.herd), np.int64), np.zeros(len(self.herd), np.bool_)
-        self._held: dict[int, Any] = {}
+        self._held: dict[int, Ints] = {}
+        self._under_way: dict[int, Ints] = {}
+        """Number of a stage → the pilots that were sent in it and have not all arrived."""
         self._drivers: Pilots | None = None
         self._dogs: Sheepdogs | None = None
         radius = max((world.bodies[k].radius for k in self.pilots), default=0.0)
@@ -86,6 +87,9 @@ class Guided:
                 self.given.robots_a_wall, self.given.assignment,  # type: ignore[arg-type]
             )  # fmt: skip
             self._held = held.walls
+            sent = set(held.moving.tolist())
+            self._under_way = {stage: who for stage, who in self._under_way.items() if not sent & set(who.tolist())}
+            self._under_way[len(self.stages) - 1] = held.moving
             self._drivers.send(held.moving, held.places)
 
     def _raise_walls(self, time: float) -> None:
@@ -106,9 +110,10 @@ class Guided:
         places = poses_w[self.pilots, :2]
         for k, target in zip(self.pilots, self._drivers.targets(time, places, poses_w[self.herd, :2]), strict=True):
             self.tell(int(k), target)
-        began, stood = self.stages[-1]
-        if np.isnan(stood) and self._drivers.arrived(places).all():
-            self.stages[-1] = (began, time)
+        there = self._drivers.arrived(places)
+        for stage in [stage for stage, sent in self._under_way.items() if there[sent].all()]:
+            self.stages[stage] = (self.stages[stage][0], time)
+            del self._under_way[stage]
 
     def _herd(self, dogs: Sheepdogs, time: float, poses_w: Floats) -> None:
         """Dogs leave those that have gone astray, as stages do; once all have, they go after all."""

@@ -7,13 +7,16 @@ import dataclasses
 import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
+from scipy.spatial.distance import cdist
 
 from flocking.errors import InputError
 from generation.piloting import course
 from generation.piloting import plan as plans
+from generation.piloting.formations import slots
+from generation.piloting.pilots import ARRIVED_M
 from trials import simulations
 from trials.design import plan
-from trials.simulations.robots import guided, loop
+from trials.simulations.robots import guided, loop, measures_guided
 from trials.types import Trial, TrialResult, Value
 
 
@@ -84,6 +87,41 @@ def test_pilots_start_in_formation_and_the_same_trial_is_the_same_whether_it_is_
     assert one.contacts.times.size == 0 or not np.isin(one.contacts.robots, pilots).any()
     # they hold their places: a Create at rest may be a tenth of a metre off
     assert np.hypot(*(one.poses_w[-1, pilots, :2] - one.poses_w[0, pilots, :2]).T).max() < 0.1
+
+
+def test_a_change_of_formation_ends_when_those_that_were_sent_stand_in_their_places() -> None:
+    """The user's second key comes while they are on their way, and sends nobody: the first change goes on."""
+    made = trial("pilots", duration_s=40.0)
+    found = loop.run_trial(made, reraise=True, watcher=lambda time, passed, *_: time >= (1.95, 4.95, 99.0)[passed])
+    (_, began), (first, stood), (second, at_once) = found.tables["stages"].tolist()
+    assert (began, first, second, at_once) == pytest.approx((0.0, 2.0, 5.0, 5.0))
+    pilots, task = guided.members(made, pilots=True), guided.task_of(made)
+    places = slots(guided.plan_of(made).walls[2].segment(task))
+    off = cdist(places, found.poses_w[:, pilots[:3], :2].reshape(-1, 2)).reshape(3, -1, 3).min(axis=2)
+    there = (off <= ARRIVED_M).all(axis=0)
+    assert stood == pytest.approx(found.times[there.argmax()])
+    assert stood > 5.0
+    assert found.measures["change_s"] == pytest.approx(stood - 2.0)
+
+
+@pytest.mark.parametrize(("stood", "late"), [(9.0, 0.0), (11.0, 1.0), (np.nan, 1.0)])
+def test_pilots_are_late_at_a_wall_that_they_do_not_hold_when_the_first_robot_comes_to_its_turn(
+    stood: float, late: float
+) -> None:
+    """One robot stands at the start until it is put 0.9 m before the third corner, ten seconds later."""
+    made = trial("pilots", duration_s=20.0, **{"herd.count": 1})
+    task = guided.task_of(made)
+    times = np.arange(21.0)
+    herd = np.array([task.trajectory[0], *task.trajectory[1:4]])
+    at = np.concatenate([np.repeat(herd[:1], 8, axis=0), herd[1:3], np.repeat(herd[3:], 11, axis=0)])
+    poses = np.zeros((21, 7, 3))
+    poses[:, 0, :2] = at
+    result = dataclasses.replace(
+        loop.run_trial(trial("pilots", duration_s=0.1, **{"herd.count": 1}), reraise=True),
+        times=times, poses_w=poses, tables={"stages": np.array([[0.0, 0.0], [5.0, stood], [6.0, 6.0]])},
+    )  # fmt: skip
+    found = measures_guided.guidance(result)
+    assert found["late_share"] == late
 
 
 def test_a_herd_that_nothing_guides_has_the_same_measures_without_those_of_pilots() -> None:
