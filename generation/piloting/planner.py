@@ -144,18 +144,22 @@ def search(
 ) -> Plan:
     """A plan whose walls guide new herds to the goal, at least by the share that is asked for.
 
-    `step_m`: way of a member in an iteration. `begun`: a partial plan, with whose walls it begins.
+    `step_m`: way of a member in an iteration. `begun`: a partial plan, with whose walls it begins; where none goes on
+    from it, its last walls are given up one by one.
     `robots`: a group by which the steadiest of the valid walls of a turn are ranked anew, as many as are gone on from.
     Raises `BudgetSpentError` where the budget is spent, and `InputError` where the grid is: `progress.best` is then the
     longest chain of valid walls.
     """
-    progress = progress or Progress()
+    progress, begun = progress or Progress(), begun or Plan(task.name, static, ())
+    if begun.walls:
+        progress.best = begun
     states = chain.starts(task, group.count, how.starts, how.seed, how.side_m, how.apart_m)
     fresh = chain.starts(task, group.count, how.starts, how.seed + 1, how.side_m, how.apart_m)
     finder = _Finder(task, group, step_m, how, static, progress, fresh, robots)
-    first = begun if begun is not None else Plan(task.name, static, ())
-    for plan in finder.chains(first, finder.entering(first, states)):
-        return plan
+    for kept in range(len(begun.walls), -1, -1):
+        first = Plan(task.name, static, begun.walls[:kept], begun.shares[:kept])
+        for plan in finder.chains(first, finder.entering(first, states), begun.walls[kept:]):
+            return plan
     best = progress.best
     raise InputError(
         f"task {task.name}: no plan of {'static' if static else 'changing'} walls in the grid: the longest chain has "
@@ -181,11 +185,11 @@ class _Finder:
             states = self._taken(until.segments(self.task, k), states, self.task.turns[k])[1]
         return states
 
-    def chains(self, plan: Plan, entering: Sequence[State]) -> Iterator[Plan]:
+    def chains(self, plan: Plan, entering: Sequence[State], given_up: Sequence[Wall] = ()) -> Iterator[Plan]:
         """Whole plans that begin with this one, the best first.
 
         `entering`: herds as they enter the last stage of a plan whose walls change, whose walls depend on what follows;
-        else the stage that comes next.
+        else the stage that comes next. `given_up`: walls of which the first is not tried at the next turn.
         """
         turn = len(plan.walls)
         if turn == len(self.task.turns):
@@ -193,6 +197,8 @@ class _Finder:
                 yield plan
             return
         for share, longer, states in self._ranked(plan, entering)[: self.how.breadth]:
+            if longer.walls[-1:] == tuple(given_up[:1]):
+                continue
             if self.progress.best is None or len(longer.walls) > len(self.progress.best.walls):
                 self.progress.best = longer
                 self.progress.say(f"turn {turn + 1} of {len(self.task.turns)}: {share:.2f} of the members make it")

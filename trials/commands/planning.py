@@ -67,6 +67,8 @@ def _search(asked: Asked) -> None:
         if part is not None and not whole and asked.out is not None:
             _write(asked, part, progress.simulations)
             print(f"{len(part.walls)} walls are kept in {asked.out}: the same command goes on", file=sys.stderr)
+        elif part is None:
+            print("no wall was found yet: there is nothing to keep", file=sys.stderr)
         raise
     _write(asked, found, progress.simulations)
     print(_told(task, found, progress.simulations))

@@ -205,3 +205,18 @@ def test_a_search_goes_on_with_the_walls_that_were_found(changing: bool) -> None
     fresh = Progress()
     planner.search(task, group, STEP_M, HOW, static=not changing, progress=fresh)
     assert progress.simulations < fresh.simulations
+
+
+def test_a_search_that_goes_on_gives_up_walls_from_which_none_goes_on() -> None:
+    """The second wall is the first once more, and turns nobody: the search goes back to the first alone."""
+    task, group = tasks.load("task-1"), Sliding()
+    whole = planner.search(task, group, STEP_M, HOW)
+    begun = Plan(task.name, False, whole.walls[:1] * 2, (1.0, 1.0))
+    found = planner.search(task, group, STEP_M, HOW, begun=begun)
+    assert len(found.walls) == 3
+    assert found.walls[0] == begun.walls[0]
+    assert found.walls[1] != begun.walls[1]
+    progress = Progress()
+    with pytest.raises(InputError):
+        planner.search(task, group, STEP_M, HOW._replace(budget=1), progress=progress, begun=begun)
+    assert progress.best == begun

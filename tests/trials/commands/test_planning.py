@@ -55,6 +55,17 @@ def test_ctrl_c_keeps_the_walls_that_were_found(tmp_path: Path, capsys, monkeypa
     assert len(plans.read(out).walls) == 1
 
 
+def test_ctrl_c_before_a_wall_was_found_says_so(tmp_path: Path, capsys, monkeypatch) -> None:
+    def interrupted(*given: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(planner, "search", interrupted)
+    out = tmp_path / "plan.json"
+    assert run(monkeypatch, "task-4", "--out", str(out)) == 130
+    assert "no wall was found yet" in capsys.readouterr().err
+    assert not out.exists()
+
+
 def test_no_set_of_standing_walls_of_a_grid_solves_the_third_task(capsys, monkeypatch) -> None:
     words = ["task-3", "--exhaust", "--starts", "3", "--set", "grid.angle_step_deg=90", "--set", "grid.lengths_m=[1.5]"]
     assert run(monkeypatch, *words) == 0
