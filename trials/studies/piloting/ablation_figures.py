@@ -6,13 +6,13 @@ from pathlib import Path
 
 import numpy as np
 
-from trials.evidence import statistics
 from trials.evidence.runs import Run
 from trials.reports import figures as draw
 from trials.reports.arms import by_arm
 from trials.reports.figures import Figure, Place
 from trials.studies.piloting.ablation_claims import KEYS
 from trials.studies.piloting.design import MEASURE, WALLS
+from trials.studies.piloting.drawn import mean
 from trials.studies.piloting.figures import COLOURS, LABELS
 
 TITLES = {
@@ -42,10 +42,7 @@ def _panels(run: Run, place: Place) -> Figure:
                 if guides == WALLS:
                     del wanted["pilots.speed_m_s"]
                 own = np.array([row.measures[MEASURE] for row in done if wanted.items() <= row.conditions.items()])
-                if len(own) > 1:
-                    decision = statistics.exceeds(own, 0.0)
-                    reach = [[own.mean() - decision.low], [decision.high - own.mean()]]
-                    axis.errorbar([x + 0.1 * (2 * side - 1)], [own.mean()], reach, fmt="o", color=colour, ms=4)
+                mean(axis, x + 0.1 * (2 * side - 1), own, colour)
             axis.plot([], [], "o", color=colour, label=LABELS[guides])
         axis.set_title(title, loc="left")
         axis.set_xticks(range(len(values)), [str(value) for value in values])

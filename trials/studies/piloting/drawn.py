@@ -7,7 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from flocking.types import Floats
 from generation.piloting import task as tasks
+from trials.evidence import statistics
 from trials.reports import figures as draw
 from trials.simulations.robots import guided
 from trials.types import TrialResult
@@ -36,6 +38,14 @@ def moment(axis: Any, task: str, result: TrialResult, time: float) -> None:
         if began <= time and not ended <= time:
             axis.plot(segment[::2], segment[1::2], color=WALL, lw=2.0)
     robots_and_ways(axis, result, time)
+
+
+def mean(axis: Any, x: float, values: Floats, colour: str) -> None:
+    """Draws the mean of values (N,) at x with its 95 % interval; nothing for fewer than two."""
+    if len(values) > 1:
+        found = statistics.exceeds(values, 0.0)
+        reach = [[values.mean() - found.low], [found.high - values.mean()]]
+        axis.errorbar([x], [values.mean()], reach, fmt="o", color=colour, ms=4)
 
 
 def robots_and_ways(axis: Any, result: TrialResult, time: float) -> None:

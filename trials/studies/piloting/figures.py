@@ -6,14 +6,13 @@ from pathlib import Path
 
 import numpy as np
 
-from trials.evidence import statistics
 from trials.evidence.claims import published
 from trials.evidence.runs import FinishedTrial, Run
 from trials.reports import figures as draw
 from trials.reports.arms import by_arm
 from trials.reports.figures import Figure, Place
 from trials.studies.piloting.design import KEYS, MEASURE, PILOTS, WALLS
-from trials.studies.piloting.drawn import snapshots
+from trials.studies.piloting.drawn import mean, snapshots
 
 COLOURS = {WALLS: "#0072b2", PILOTS: "#d55e00"}
 LABELS = {WALLS: "walls", PILOTS: "robots"}
@@ -45,10 +44,7 @@ def _table(run: Run, place: Place) -> Figure:
         at = np.arange(len(tasks)) + 0.16 * (2 * side - 1)
         for x, task in zip(at, tasks, strict=True):
             own = np.array([row.measures[MEASURE] for row in _done(run, task, guides)])
-            if len(own) > 1:
-                decision = statistics.exceeds(own, 0.0)
-                reach = [[own.mean() - decision.low], [decision.high - own.mean()]]
-                axis.errorbar([x], [own.mean()], reach, fmt="o", color=colour, ms=4)
+            mean(axis, x, own, colour)
         axis.plot(at, [table[guides].get(task, np.nan) for task in tasks], "x", color=colour, ms=6)
         axis.plot([], [], "o", color=colour, label=LABELS[guides])
     axis.plot([], [], "x", color="black", label="published")

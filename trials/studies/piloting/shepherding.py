@@ -15,6 +15,7 @@ from flocking.parameters import Parameter
 from trials.studies.piloting import design
 from trials.studies.piloting.design import GUIDES, NOTHING, PILOTS, SHEEPDOGS, TASK, TASKS, finish
 from trials.studies.piloting.shepherding_claims import COUNT, COUNTS, RULE, RULES, claims
+from trials.studies.piloting.shepherding_figures import figures
 from trials.types import Trial, Value
 
 REPEATS = 10
@@ -45,4 +46,4 @@ def base(repeat: int) -> Trial:
     return design.base("shepherding", repeat)
 
 
-__all__ = ["CONDITIONS", "KEY_MEASURES", "RECORD", "REPEATS", "SOURCES", "base", "cells", "claims", "finish"]
+__all__ = ["CONDITIONS", "KEY_MEASURES", "RECORD", "REPEATS", "SOURCES", "base", "cells", "claims", "figures", "finish"]
