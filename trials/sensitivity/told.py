@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -117,16 +117,24 @@ def _flip(context: Context, flip: Flip | None) -> list[str]:
     model = context.model
     given = settings(model.varied, flip.place)
     own = {choice.key: choice.value for choice in model.varied}
-    words = ["run", model.experiment]
-    words += ["--repeats", str(context.repeats)] if context.repeats is not None else []
-    words += ["--seed", str(model.seed)] if model.seed != DEFAULT_SEED else []
-    words += [word for key, value in given.items() for word in ("--set", f"{key}={spelled(value)}")]
+    commands = [
+        command("run", experiment, *_words(model, model.repeats, {**settled, **given}))
+        for experiment, settled in model.supplements
+    ]
+    commands.append(command("run", model.experiment, *_words(model, context.repeats, given)))
     changes = ", ".join(f"{key} {_shown(own[key])} to {_shown(value)}" for key, value in given.items())
     return [
         f"nearest flip, {flip.distance:.2g} ranges away, {flip.output.slack:+.2g} margins "
         f"({VERDICTS[flip.output.agrees]}): {changes}",
-        f"  {command(*words)}",
+        *(f"  {each}" for each in commands),
     ]
+
+
+def _words(model: Model, repeats: int | None, given: Mapping[str, Value]) -> list[str]:
+    """What makes the trials of a point, as words of `herd run`."""
+    words = ["--repeats", str(repeats)] if repeats is not None else []
+    words += ["--seed", str(model.seed)] if model.seed != DEFAULT_SEED else []
+    return words + [word for key, value in given.items() for word in ("--set", f"{key}={spelled(value)}")]
 
 
 def _share(share: Share) -> str:

@@ -29,7 +29,7 @@ def _questions(cells: Cells) -> list[Question]:
     found = [
         Question(
             source="fine2015 table_8_1 (section 8.2)",
-            quantity=f"{task}, guided by {NAMES[guides]}: share of the robots that arrive",
+            quantity=f"{task}, guided by {NAMES[guides]}",
             claim=f"mean fitness of ten trials of {task} guided by {NAMES[guides]}: {rate:g}",
             judge=all_must_hold(
                 f"mean of the trials within ±{TENTH:g} of it (two one-sided tests)",
@@ -51,7 +51,7 @@ def _questions(cells: Cells) -> list[Question]:
 
 
 def _rate(cells: Cells, task: str, guides: str, rate: float) -> list[Outcome]:
-    return [near("share of the robots that arrive", cells.array(MEASURE, task, guides), rate, TENTH)]
+    return [near("share that arrives", cells.array(MEASURE, task, guides), rate, TENTH)]
 
 
 def _less(cells: Cells, task: str) -> list[Outcome]:
