@@ -15,6 +15,7 @@ import difflib
 import math
 import operator
 import re
+import sys
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
@@ -98,6 +99,8 @@ def checked(key: str, value: Any, parameter: Declared) -> Any:
         return _known(parameter, value) if about.named is not None else value
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise InputError(f"{key} = {given!r}: expected {_number(parameter)}")
+    if isinstance(value, int) and abs(value) > sys.float_info.max:
+        raise InputError(f"{key} = a number beyond 1e308: expected {_bounds(parameter)}")
     if parameter.type is int and value != int(value if math.isfinite(value) else 0.5):
         raise InputError(f"{key} = {given!r}: expected {_number(parameter)}")
     if not math.isfinite(value) or not about.low <= value <= about.high:

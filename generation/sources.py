@@ -27,6 +27,11 @@ def told(path: str) -> list[str]:
     return list(_read(path, *_state(path))[1])
 
 
+def environment(path: str) -> tuple[Environment, list[str]]:
+    """The environment of a file, and a line for each thing that was mended or is to be known. Raises `InputError`."""
+    return files.from_json(environment_text(path), path), told(path)
+
+
 @lru_cache(maxsize=8)
 def _read(path: str, changed_ns: int, size: int) -> tuple[str, tuple[str, ...]]:
     """The text and the lines of a file that last changed at that time, and has that size."""

@@ -75,6 +75,33 @@ def jobs_of(judging: Judging, map_: ParameterMap, number: int) -> list[Job]:
     return list(_jobs(judging, map_.box, map_.points[number], names, judging.schema.workspace()))
 
 
+class Control(NamedTuple):
+    """What the herd does in the workspace alone."""
+
+    success: float
+    """Share of the simulations that show the behaviour."""
+    x_deviation: float
+    """Mean standard deviation of the members along x at the end, m."""
+
+
+def control(judging: Judging, map_: ParameterMap) -> Control:
+    """The empty world's outcomes, from the same starts and random numbers as `AT_A_TIME` configurations of a map.
+
+    They are the first that the schema makes something of; of a map without any, nan. What a herd does without a
+    construct hangs on no parameter, so that it is the control of all of them.
+    """
+    workspace, jobs = judging.schema.workspace(), list[Job]()
+    for number in np.flatnonzero(map_.possible)[:AT_A_TIME]:
+        jobs += [job._replace(environment=workspace) for job in jobs_of(judging, map_, int(number))]
+    if not jobs:
+        return Control(np.nan, np.nan)
+    fitness, deviations = [], []
+    for way in judging.group.trajectories(jobs, judging.iterations):
+        fitness.append(judging.behaviour.judged(way, workspace, judging.of_behaviour))
+        deviations.append(way[-1, :, 0].std())
+    return Control(float(np.mean([judging.behaviour.succeeds(value) for value in fitness])), float(np.mean(deviations)))
+
+
 def _names(level: int, cell: Ints) -> tuple[int, ...]:
     """What tells the random numbers of one configuration from those of others."""
     return tuple(int(value) for value in (level + 1, *cell))

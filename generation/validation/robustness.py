@@ -2,7 +2,8 @@
 
 Source: Fine 2015, appendix B, definition 5: a valid environment may be perturbed by epsilon and is still considered
 valid. The document supposes it and measures nothing; here each kind of perturbation has a success rate with its
-interval, and environments are ranked by the mean over kinds.
+interval, beside that of the empty world on the same starts, and environments are ranked by the mean uplift over kinds:
+a herd that shows the behaviour wherever it is makes no environment robust.
 """
 
 from __future__ import annotations
@@ -14,13 +15,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from flocking.types import Bools, Floats
+from flocking.types import Bools
 from generation.behaviours import Behaviour
 from generation.environment import Environment
 from generation.group import Group, Job
 from generation.primitives import Arc, Circle, Polygon, Polyline, Primitive, Segment
-from generation.validation.uplift import Rate, rate
-from generation.validation.validate import Plan, jobs_of
+from generation.validation.uplift import Rate, Uplift, paired, rate
+from generation.validation.validate import Plan, empty, jobs_of
 
 WALLS, STARTS = "walls", "starts"
 """Kinds of perturbation that every environment has: wall ends moved, and other starts."""
@@ -30,17 +31,27 @@ TOGETHER_M = 1e-9
 """Ends nearer to one another than this are one, and move together."""
 
 
+class Perturbed(NamedTuple):
+    """What an environment does to a group under one kind of perturbation."""
+
+    rate: Rate
+    """Of success."""
+    control: Rate
+    """Of success in the empty world, on the same starts."""
+    uplift: Uplift
+
+
 class Robustness(NamedTuple):
     """How robust one environment is."""
 
     number: int
-    rates: Mapping[str, Rate]
+    kinds: Mapping[str, Perturbed]
     """By kind of perturbation."""
 
     @property
     def mean(self) -> float:
-        """Of the rates: what environments are ranked by."""
-        return float(np.mean([each.rate for each in self.rates.values()]))
+        """Of the uplifts: what environments are ranked by."""
+        return float(np.mean([each.uplift.uplift for each in self.kinds.values()]))
 
 
 def perturbed(environment: Environment, epsilon_m: float, rng: np.random.Generator) -> Environment:
@@ -85,33 +96,45 @@ def robustness(
     others: Mapping[str, Group] | None = None,
     parameters: Any = None,
 ) -> Robustness:
-    """The success rates of one environment with moved walls, at other starts, and with other groups.
+    """What one environment does with moved walls, at other starts, and to other groups, each beside the empty world.
 
-    `plan.repeats` simulations a kind, from starts that validation with the same plan did not have; `others`: groups of
-    another size or law, by the name of the perturbation. With moved walls a start is the one that is drawn in the
-    environment as it was. Raises `InputError` as `validate` does.
+    `plan.repeats` starts a kind, which validation with the same plan did not have: who was chosen by its luck has it no
+    more. `others`: groups of another size or law, by the name of the perturbation. With moved walls a start is the one
+    that is drawn in the environment as it was. Raises `InputError` as `validate` does.
     """
     new = plan._replace(seed=plan.seed + 1)
-    rates = {STARTS: _rate(group, behaviour, jobs_of(environment, number, group.count, new), parameters)}
+    jobs = jobs_of(environment, number, group.count, new)
     moved = []
-    for place, job in enumerate(jobs_of(environment, number, group.count, plan)):
+    for place, job in enumerate(jobs):
         rng = np.random.default_rng((plan.seed, number, place, PURPOSE))
         moved.append(job._replace(environment=perturbed(environment, epsilon_m, rng)))
-    rates[WALLS] = _rate(group, behaviour, moved, parameters)
+    control = _succeeded(group, behaviour, _without(jobs), parameters)
+    kinds = {
+        STARTS: _beside(_succeeded(group, behaviour, jobs, parameters), control),
+        WALLS: _beside(_succeeded(group, behaviour, moved, parameters), control),
+    }
     for name, other in (others or {}).items():
-        rates[name] = _rate(other, behaviour, jobs_of(environment, number, other.count, plan), parameters)
-    return Robustness(number, rates)
+        own = jobs_of(environment, number, other.count, new)
+        succeeded = _succeeded(other, behaviour, own, parameters)
+        kinds[name] = _beside(succeeded, _succeeded(other, behaviour, _without(own), parameters))
+    return Robustness(number, kinds)
 
 
-def _rate(group: Group, behaviour: Behaviour, jobs: Sequence[Job], parameters: Any) -> Rate:
-    fitness: Floats = np.array(
-        [
-            behaviour.judged(positions, job.environment, parameters)
-            for job, positions in zip(jobs, group.trajectories(jobs, behaviour.iterations), strict=True)
-        ]
-    )
-    succeeded: Bools = np.array([behaviour.succeeds(value) for value in fitness], np.bool_)
-    return rate(succeeded)
+def _without(jobs: Sequence[Job]) -> list[Job]:
+    """The same simulations in the empty world."""
+    return [job._replace(environment=empty(job.environment)) for job in jobs]
+
+
+def _beside(succeeded: Bools, control: Bools) -> Perturbed:
+    return Perturbed(rate(succeeded), rate(control), paired(succeeded, control))
+
+
+def _succeeded(group: Group, behaviour: Behaviour, jobs: Sequence[Job], parameters: Any) -> Bools:
+    fitness = [
+        behaviour.judged(positions, job.environment, parameters)
+        for job, positions in zip(jobs, group.trajectories(jobs, behaviour.iterations), strict=True)
+    ]
+    return np.array([behaviour.succeeds(value) for value in fitness], np.bool_)
 
 
 def ranked(found: Sequence[Robustness]) -> list[Robustness]:

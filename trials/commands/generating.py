@@ -10,7 +10,7 @@ from typing import Any
 
 from flocking.errors import InputError
 from flocking.parameters import declared, filled
-from generation import contact_sheet, files, filters, found
+from generation import contact_sheet, files, filters, found, sources
 from generation.candidates import Tally, check_varied, draws_nothing, passing
 from generation.environment import Environment
 from generation.schema import Schema
@@ -73,7 +73,7 @@ def generate(asked: Asked) -> str:
 def _workspace(schema: Schema, path: Path | None) -> Environment:
     if path is None:
         return schema.workspace()
-    environment, told = files.read_mended(path)
+    environment, told = sources.environment(str(path))
     for line in told:
         print(f"herd: {line}", file=sys.stderr)
     return environment

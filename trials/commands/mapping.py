@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from flocking.errors import InputError
 
 if TYPE_CHECKING:
+    from generation.maps.judging import Control
     from generation.maps.trees import Judged, ParameterMap
     from trials.types import Trial
 
@@ -69,12 +70,12 @@ def _make(asked: Asked) -> None:
     users = [name for name in (asked.law, asked.schema, asked.behaviour or "") if is_path(name)]
     if users:  # their code may never return: it runs in a process that can be ended
         try:
-            ((made, flips),) = in_order(mapped, [(trial,)], 1, law_limit_s=LAW_LIMIT_S)
+            ((made, flips, alone),) = in_order(mapped, [(trial,)], 1, law_limit_s=LAW_LIMIT_S)
         except InputError as error:
             raise InputError(f"{' or '.join(map(repr, users))}: {error}") from None
     else:
-        made, flips = mapped(trial)
-    measured = {name: value for name, value in measure(made, chosen.within).items() if math.isfinite(value)}
+        made, flips, alone = mapped(trial)
+    measured = {name: value for name, value in measure(made, chosen.within, alone).items() if math.isfinite(value)}
     asked.out.mkdir(parents=True)
     write_whole(asked.out / TABLE, _table(made).encode())
     numbers = {"schema": asked.schema, "seed": asked.seed, "trial": trial.as_dict(), "measures": measured}
@@ -86,11 +87,13 @@ def _make(asked: Asked) -> None:
     print(f"results              {asked.out}")
 
 
-def mapped(trial: Trial) -> tuple[ParameterMap, dict[str, Any]]:
-    """The map of a trial, and its two nearest environments of opposite outcomes; tells each iteration as it ends."""
+def mapped(trial: Trial) -> tuple[ParameterMap, dict[str, Any], Control]:
+    """The map of a trial, its two nearest environments of opposite outcomes, and what the herd does without any; tells
+    each iteration as it ends."""
     import flocking.kinematic.kernel  # noqa: F401 (its import compiles it: here, since no watch is on yet)
     from flocking import users_files
     from flocking.kinematic import LawFailedError
+    from generation.maps.judging import control
     from trials.simulations import watch
     from trials.simulations.maps import fields, loop
 
@@ -106,7 +109,7 @@ def mapped(trial: Trial) -> tuple[ParameterMap, dict[str, Any]]:
         try:
             with watch.watched():
                 made = loop.mapped(trial, chosen, judging, watch.breathe, told)
-                return made, loop.flipped(judging, made)
+                return made, loop.flipped(judging, made), control(judging, made)
         except LawFailedError as error:
             raise InputError(" ".join(str(error).split())) from None
 

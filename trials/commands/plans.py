@@ -58,7 +58,7 @@ def export(
 
     Tells the length of fence that its construct needs.
     """
-    from generation import files, sources
+    from generation import sources
 
     _check_new(out, EXPORTS)
     given = {"height_m": height_m, "thickness_m": thickness_m}
@@ -68,8 +68,8 @@ def export(
         raise InputError(
             f"--{next(iter(options)).replace('_', '-')} is of fences to build: expected --out FILE.stl or .3mf"
         )
-    read = files.from_json(sources.environment_text(str(environment)), str(environment))
-    _print_some(sources.told(str(environment)))
+    read, told = sources.environment(str(environment))
+    _print_some(told)
     if kind == ".svg":
         from generation.exports.svg import to_svg
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 import json
 import sys
-import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -15,17 +14,16 @@ from typing import Annotated, Any, NamedTuple
 from flocking import lawentry, users_files
 from flocking.errors import InputError, unknown_name
 from flocking.parameters import Parameter, filled
-from generation import behaviours, files
+from generation import behaviours, sources
 from generation.behaviours import Behaviour
 from generation.environment import Environment
 from generation.group import Group
-from generation.validation.kinematic import KinematicGroup, kinematic
-from generation.validation.robustness import Robustness, ranked, robustness
+from generation.validation.robustness import Perturbed, Robustness, ranked
 from generation.validation.starts import Starts
-from generation.validation.uplift import Rate, Uplift
+from generation.validation.uplift import Uplift
 from generation.validation.validate import Plan, Validated, overall
 from trials.commands import lawcheck
-from trials.environments.blocks import validated
+from trials.environments.blocks import robustnesses, validated
 
 PREFIXES = ("law", "members", "starts", "behaviour", "robustness")
 """What keys of --set begin with."""
@@ -36,13 +34,22 @@ COLUMNS = (
 """Of what is written, a row an environment."""
 
 
+ROBUSTNESS_COLUMNS = (
+    "environment", "perturbed", "simulations", "success", "success_low", "success_high", "control_success", "uplift",
+    "uplift_low", "uplift_high", "p",
+)  # fmt: skip
+"""Of what is written of robustness, a row an environment and kind of perturbation."""
+BESIDES = ("reynolds-boids", "viscido-snn")
+"""Laws that `--robustness` tries besides; where the first is the group's own, the second."""
+
+
 class Perturbations(NamedTuple):
     """What `--robustness` changes, besides starts and size."""
 
     epsilon_m: Annotated[
         float, Parameter("m", "our choice: half a step of Fine 2015's members; how far wall ends move", low=0.0)
     ] = 1.0
-    other_law: Annotated[str, Parameter("", "our choice: the law that is tried besides; empty: none")] = ""
+    other_law: Annotated[str, Parameter("", "our choice: the law that is tried besides; empty: none")] = BESIDES[0]
 
 
 @dataclass(frozen=True)
@@ -81,7 +88,7 @@ def validate(asked: Asked) -> None:
     console = Console()
     with users_files.executed(True):
         behaviour = behaviours.load(asked.behaviour)
-        parameters = behaviour.filled(asked.of("behaviour"))
+        behaviour.filled(asked.of("behaviour"))
         group, starts = group_of(asked, asked.law, asked.members)
         perturbations: Perturbations = filled(Perturbations, asked.of("robustness"), "robustness.")
         paths = _files(asked.paths)
@@ -96,63 +103,37 @@ def validate(asked: Asked) -> None:
                 write(row_of(paths[one.number], one))
         _print(console, paths, found)
         if asked.robustness:
+            chosen = [(one.number, environments[one.number]) for one in found if one.succeeded.any()]
             others = _others(asked, perturbations)
-            robust = [
-                robustness(
-                    environments[one.number], one.number, behaviour, group, plan, perturbations.epsilon_m, others,
-                    parameters,
-                )
-                for one in found
-                if one.succeeded.any()
-            ]  # fmt: skip
+            robust: list[Robustness] = []
+            with _written(_beside(asked.out), ROBUSTNESS_COLUMNS) as write:
+                for each in robustnesses(
+                    chosen, asked.behaviour, group, plan, perturbations.epsilon_m, others, given, jobs
+                ):
+                    robust.append(each)
+                    for row in rows_of(paths[each.number], each):
+                        write(row)
             _print_robustness(console, paths, robust, perturbations)
 
 
 def group_of(asked: Asked, law: str, members: int) -> tuple[Group, Starts]:
     """The group that is asked for, with another law or size, and how it starts. Raises `InputError`."""
-    from trials.environments.robots import SCALE, robots
+    from trials.commands.validated_groups import group
 
-    own = asked.of("starts")
-    if asked.body is None:
-        if asked.scale is not None:
-            raise InputError(f"--scale {asked.scale:g}: is of robots; expected --body too")
-        given = asked.of("members")
-        known = [name for name in kinematic.__annotations__ if name == "dt_s"] + _fields()
-        for name in given:
-            if name not in known:
-                raise unknown_name("key", f"members.{name}", [f"members.{each}" for each in known])
-        try:
-            made: KinematicGroup = kinematic(law, members, law_parameters=asked.of("law"), **given)
-        except TypeError as error:
-            raise InputError(f"members: {error}") from None
-        _ = made.bands  # refused before anything is tried
-        return made, filled(Starts, own, "starts.")
-    scale = SCALE if asked.scale is None else asked.scale
-    if not 1e-4 <= scale <= 1e3:
-        raise InputError(f"--scale {scale:g}: expected metres in a unit, from 0.0001 to 1000")
-    group = robots(
-        law, members, law_parameters=asked.of("law"), body=asked.body, scale=scale, jobs=asked.jobs,
-        setup=asked.of("members"),
-    )  # fmt: skip
-    least = {"apart_m": group.apart_units, "clear_m": group.apart_units / 2.0}
-    return group, filled(Starts, {**least, **own}, "starts.")
-
-
-def _fields() -> list[str]:
-    from dataclasses import fields
-
-    from generation.validation.kinematic import Members
-
-    return [each.name for each in fields(Members) if each.name not in ("law", "count", "law_parameters", "law_source")]
+    return group(
+        law, members, asked.of("law"), asked.of("members"), asked.of("starts"), asked.body, asked.scale, asked.jobs
+    )
 
 
 def _others(asked: Asked, perturbations: Perturbations) -> dict[str, Group]:
     """Groups of half and of twice the size, and of the other law."""
     sizes = sorted({max(1, asked.members // 2), 2 * asked.members} - {asked.members})
     found = {f"{size} members": group_of(asked, asked.law, size)[0] for size in sizes}
-    if perturbations.other_law:
-        plain = _without_law(asked)
-        found[perturbations.other_law] = group_of(plain, perturbations.other_law, asked.members)[0]
+    other = perturbations.other_law
+    if "other_law" not in asked.of("robustness"):
+        other = next(law for law in BESIDES if law != asked.law.replace("_", "-"))
+    if other:
+        found[other] = group_of(_without_law(asked), other, asked.members)[0]
     return found
 
 
@@ -174,11 +155,10 @@ def _files(paths: Sequence[Path]) -> list[Path]:
 
 
 def _read(path: Path) -> Environment:
-    with warnings.catch_warnings(record=True) as told:
-        warnings.simplefilter("always")
-        environment = files.read(path)
-    for each in told:
-        print(f"herd: {each.message}", file=sys.stderr)
+    """The environment of a file, or of a plan. What was mended is said."""
+    environment, told = sources.environment(str(path))
+    for line in told:
+        print(f"herd: {line}", file=sys.stderr)
     return environment
 
 
@@ -201,8 +181,25 @@ def row_of(path: Path, one: Validated) -> dict[str, Any]:
     return dict(zip(COLUMNS, values, strict=True))
 
 
+def rows_of(path: Path, one: Robustness) -> list[dict[str, Any]]:
+    """What is written of an environment's robustness."""
+    found = []
+    for kind, (success, control, uplift) in one.kinds.items():
+        values = (
+            str(path), kind, success.n, success.rate, success.low, success.high, control.rate, uplift.uplift,
+            uplift.low, uplift.high, uplift.p,
+        )  # fmt: skip
+        found.append(dict(zip(ROBUSTNESS_COLUMNS, values, strict=True)))
+    return found
+
+
+def _beside(out: Path | None) -> Path | None:
+    """Where robustness is written: beside what else is."""
+    return None if out is None else out.with_name(f"{out.stem}-robustness{out.suffix}")
+
+
 @contextmanager
-def _written(out: Path | None) -> Iterator[Any]:
+def _written(out: Path | None, columns: Sequence[str] = COLUMNS) -> Iterator[Any]:
     """Writes rows as they come: CSV, or a JSON list where the name ends so. Raises `InputError`."""
     if out is None:
         yield lambda row: None
@@ -217,7 +214,7 @@ def _written(out: Path | None) -> Iterator[Any]:
         raise InputError(f"--out {str(out)!r} cannot be written: {error.strerror}") from None
     with file:
         if out.suffix == ".csv":
-            table = csv.DictWriter(file, COLUMNS)
+            table = csv.DictWriter(file, columns)
             table.writeheader()
 
             def write(row: Mapping[str, Any]) -> None:
@@ -276,23 +273,26 @@ def _print_robustness(
     if not found:
         console.print("robustness: no environment elicited the behaviour, so none is perturbed")
         return
-    kinds = list(found[0].rates)
+    kinds = list(found[0].kinds)
     table = Table(
-        title=f"success when perturbed; walls by up to {perturbations.epsilon_m:g} m",
+        title=(
+            f"success when perturbed, less that in the empty world; walls by up to {perturbations.epsilon_m:g} m, new "
+            "starts throughout"
+        ),
         box=box.SIMPLE_HEAD, title_justify="left", pad_edge=False,
     )  # fmt: skip
     table.add_column("environment")
-    for kind in (*kinds, "mean"):
+    for kind in (*kinds, "mean uplift"):
         table.add_column(kind, justify="right")
     for one in ranked(found):
         table.add_row(
-            paths[one.number].stem, *(_rate(one.rates[kind]) for kind in kinds), f"{one.mean:.2f}"
+            paths[one.number].stem, *(_perturbed(one.kinds[kind]) for kind in kinds), f"{one.mean:+.2f}"
         )  # fmt: skip
     console.print(table)
 
 
-def _rate(rate: Rate) -> str:
-    return f"{rate.rate:.2f} ({rate.low:.2f} to {rate.high:.2f})"
+def _perturbed(found: Perturbed) -> str:
+    return f"{found.rate.rate:.2f} - {found.control.rate:.2f} ({_interval(found.uplift)})"
 
 
 def _interval(uplift: Uplift) -> str:

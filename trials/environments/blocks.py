@@ -7,11 +7,18 @@ from typing import Any
 
 from flocking import users_files
 from flocking.errors import InputError
+from flocking.found import is_path
 from generation import behaviours
 from generation.environment import Environment
 from generation.group import Group
+from generation.validation.kinematic import KinematicGroup
+from generation.validation.robustness import Robustness, robustness
 from generation.validation.validate import AT_A_TIME, Plan, Validated, validate
-from trials.environments.hands import in_order
+from trials.environments.hands import LIMIT_S, in_order
+
+USERS_S, USERS_EACH_S = 10.0, 2.0
+"""Processor time that a block may take where a behaviour is a file of the user's own, which need not return: once, and
+for each of its simulations."""
 
 
 def validated(
@@ -28,20 +35,68 @@ def validated(
     """
     simulations = 2 * plan.repeats * (2 if plan.mirror else 1)
     block = max(1, AT_A_TIME // simulations)
-    if jobs == 1 or len(environments) <= block:
+    if not _ends_by_itself(behaviour, group):
+        limit_s = USERS_S + USERS_EACH_S * simulations * min(block, len(environments))
+    elif jobs == 1 or len(environments) <= block:
         with users_files.executed(True):
             loaded = behaviours.load(behaviour)
             parameters = loaded.filled(given)
         yield from validate(environments, loaded, group, plan, parameters)
         return
+    else:
+        limit_s = LIMIT_S
     calls = [
         (environments[first : first + block], first, behaviour, group, plan, dict(given or {}))
         for first in range(0, len(environments), block)
     ]
-    for outcomes, error in in_order(_block, calls, jobs):
+    for outcomes, error in in_order(_block, calls, jobs, limit_s=limit_s):
         yield from outcomes
         if error:
             raise InputError(error)
+
+
+def robustnesses(
+    environments: Sequence[tuple[int, Environment]],
+    behaviour: str,
+    group: Group,
+    plan: Plan,
+    epsilon_m: float,
+    others: Mapping[str, Group],
+    given: Mapping[str, Any] | None = None,
+    jobs: int = 1,
+) -> Iterator[Robustness]:
+    """`generation.validation.robustness` of environments by their numbers, in so many processes."""
+    calls = [
+        (environment, number, behaviour, group, plan, epsilon_m, dict(others), dict(given or {}))
+        for number, environment in environments
+    ]
+    simulations = 2 * plan.repeats * (2 if plan.mirror else 1) * (2 + len(others))
+    if not _ends_by_itself(behaviour, group):
+        yield from in_order(_robustness, calls, jobs, limit_s=USERS_S + USERS_EACH_S * simulations)
+    elif jobs == 1 or len(calls) < 2:
+        with users_files.executed(True):
+            yield from (_robustness(*call) for call in calls)
+    else:
+        yield from in_order(_robustness, calls, jobs)
+
+
+def _ends_by_itself(behaviour: str, group: Group) -> bool:
+    """Whether no code of the user's own runs that no other watch ends: robots' trials have one of their own."""
+    return not is_path(behaviour) or not isinstance(group, KinematicGroup)
+
+
+def _robustness(
+    environment: Environment,
+    number: int,
+    behaviour: str,
+    group: Group,
+    plan: Plan,
+    epsilon_m: float,
+    others: Mapping[str, Group],
+    given: Mapping[str, Any],
+) -> Robustness:
+    loaded = behaviours.load(behaviour)
+    return robustness(environment, number, loaded, group, plan, epsilon_m, others, loaded.filled(given))
 
 
 def _block(

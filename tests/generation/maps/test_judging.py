@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from functools import partial
 
 import numpy as np
 import pytest
@@ -14,8 +15,9 @@ from generation import behaviours
 from generation.environment import Environment
 from generation.found import load
 from generation.group import Job
-from generation.maps.judging import Judging, judge
+from generation.maps.judging import Judging, control, judge
 from generation.maps.spaces import box_of, mappable
+from generation.maps.trees import refined
 from generation.validation.starts import Starts, axis, mirrored
 
 
@@ -114,3 +116,20 @@ def test_what_cannot_be_refined_is_refused_with_what_can() -> None:
         box_of(parameters, ["angle_deg", "angle_deg"], [8])
     with pytest.raises(InputError, match="refinements"):
         box_of(parameters, ["angle_deg", "length_m"], [8]).shape(12)
+
+
+def test_the_control_has_the_starts_and_numbers_of_the_configurations_in_the_workspace_alone() -> None:
+    """Members that walk through walls do there what they do with any construct."""
+    by, group = judging("dirt", pairs=3)
+    box = box_of(by.schema.parameters, ["angle_deg", "length_m"], [2])
+    made = refined(box, partial(judge, by, box, breathe=lambda _: None), 0, 0.5, 100, np.random.default_rng(1))
+    tried = list(group.jobs)
+    found = control(by, made)
+    assert found.success == made.judged.successes.sum() / made.judged.trials.sum()
+    assert found.x_deviation == pytest.approx(made.judged.x_deviation.mean())
+    assert len(group.jobs) == 2 * len(tried)
+    for job, other in zip(group.jobs[len(tried) :], tried, strict=True):
+        np.testing.assert_array_equal(job.poses_w, other.poses_w)
+        assert job.seed == other.seed
+        assert job.environment.construct == ()
+        assert other.environment.construct != ()

@@ -154,25 +154,39 @@ class TestPerturbed:
         # uniform in a disc: the squared distance over epsilon squared is uniform; one seed in a thousand misses it
         assert stats.kstest((np.array(reached) / 0.3) ** 2, "uniform").pvalue > 1e-3
 
-    def test_robustness_of_what_depends_on_nothing_is_one_and_of_its_contrary_zero(self) -> None:
+    def test_what_depends_on_nothing_succeeds_always_or_never_and_adds_nothing_to_the_empty_world(self) -> None:
         plan = Plan(Starts(side_m=6.0), repeats=5)
         always, never = (
-            robustness(FORK, number, behaviour(lambda *_, v=v: v), Straight(), plan, 0.5, {"others": Straight()})
-            for number, v in enumerate((1.0, 0.0))
+            robustness(FORK, 0, behaviour(lambda *_, v=v: v), Straight(), plan, 0.5, {"others": Straight()})
+            for v in (1.0, 0.0)
         )
-        assert set(always.rates) == {STARTS, WALLS, "others"}
-        assert [one.number for one in ranked([never, always])] == [0, 1]
-        assert (always.mean, never.mean) == (1.0, 0.0)
-        assert always.rates[WALLS].n == 5
+        assert set(always.kinds) == {STARTS, WALLS, "others"}
+        assert {found.rate.rate for found in always.kinds.values()} == {1.0}
+        assert {found.rate.rate for found in never.kinds.values()} == {0.0}
+        assert always.mean == never.mean == 0.0
+        assert always.kinds[WALLS].rate.n == always.kinds[WALLS].uplift.n == 5
 
-    def test_moved_walls_are_tried_from_the_same_starts(self) -> None:
+    def test_what_needs_the_construct_is_ranked_before_what_happens_anyway(self) -> None:
+        plan = Plan(Starts(side_m=6.0), repeats=5)
+        walls, anyway = (
+            robustness(FORK, number, behaviour(of), Straight(), plan, 0.5)
+            for number, of in enumerate((walled, lambda *_: 1.0))
+        )
+        assert [one.number for one in ranked([anyway, walls])] == [0, 1]
+        assert (walls.mean, anyway.mean) == (1.0, 0.0)
+
+    def test_all_kinds_are_tried_from_new_starts_which_moved_walls_and_the_empty_world_share(self) -> None:
         plan, group = Plan(Starts(side_m=6.0), repeats=2), Straight()
         robustness(FORK, 0, behaviour(walled), group, plan, 0.0)
-        plain = jobs_of(FORK, 0, 4, plan)
-        for job, other in zip(group.jobs[2:], plain, strict=True):
+        used = {job.poses_w.tobytes() for job in jobs_of(FORK, 0, 4, plan)}
+        new = jobs_of(FORK, 0, 4, plan._replace(seed=plan.seed + 1))
+        assert len(group.jobs) == 3 * len(new)
+        for job, other in zip(group.jobs, 3 * new, strict=True):
             np.testing.assert_array_equal(job.poses_w, other.poses_w)
-            assert job.environment == FORK  # moved by no more than nothing
-        assert not np.array_equal(group.jobs[0].poses_w, plain[0].poses_w)  # other starts are others
+            assert job.poses_w.tobytes() not in used
+        # walls that move by nothing are those that stand
+        assert sum(job.environment == FORK for job in group.jobs) == 2 * len(new)
+        assert sum(not job.environment.construct for job in group.jobs) == len(new)
 
 
 class TestUplift:

@@ -11,8 +11,10 @@ import pytest
 
 from generation import files
 from generation.environment import Environment
+from generation.exports import svg
 from generation.primitives import Point, Segment
 from trials.commands import cli
+from trials.environments import blocks
 
 WEDGE = Environment(
     construct=(Segment(0.0, 30.0, -60.0, 90.0), Segment(0.0, 30.0, 60.0, 90.0)),
@@ -72,7 +74,12 @@ def test_the_table_and_what_is_written(
     assert (code, err) == (0, "")
     assert "uplift" in out
     assert "empty world on the same starts" in " ".join(out.split())
-    assert "robustness" in out or "perturbed" in out
+    kinds = list(csv.DictReader((folder / "o-robustness.csv").open(encoding="utf-8")))
+    if "no environment elicited" not in out:
+        assert "success when perturbed" in " ".join(out.split())
+        assert [row["perturbed"] for row in kinds[:5]] == ["starts", "walls", "2 members", "10 members", "viscido-snn"]
+    for row in kinds:
+        assert float(row["uplift"]) == pytest.approx(float(row["success"]) - float(row["control_success"]))
     code, _, _ = herd(monkeypatch, capsys, *words, "--out", str(folder / "o.json"))
     rows = list(csv.DictReader((folder / "o.csv").open(encoding="utf-8")))
     again = json.loads((folder / "o.json").read_text(encoding="utf-8"))
@@ -95,6 +102,7 @@ def test_robots_are_tried_beside_their_empty_world(
     words += ["--body", "create", "--repeats", "2", "--out", str(tmp_path / "o.csv")]
     for setting in ("law.turn_rad=0", "law.speed_m_s=0.25", "starts.side_m=0", "starts.spread_rad=0"):
         words += ["--set", setting]
+    words += ["--set", "members.pipeline=perfect", "--set", "members.selection=nearest"]
     code, out, err = herd(monkeypatch, capsys, *words, "--set", "members.obstacles=as-law")
     assert (code, err) == (0, "")
     told = " ".join(out.split())
@@ -113,6 +121,16 @@ def test_robots_are_tried_beside_their_empty_world(
         (["--set", "herd.count=3"], "herd.count"),
         (["--set", "members.sped_m_s=3"], "members.speed_m_s"),
         (["--set", "starts.side_m=-1"], "starts.side_m"),
+        (["--set", "members.speed_m_s=fast"], "members.speed_m_s = 'fast'"),
+        (["--set", "members.speed_m_s=0"], "members.speed_m_s = 0"),
+        (["--set", f"members.radius_m=1{'0' * 400}"], "members.radius_m"),
+        (["--set", "members.obstacles=avoids"], "did you mean avoid?"),
+        (["--set", "robustness.other_law=vicsec", "--robustness"], "vicsek"),
+        (["--body", "create", "--set", "members.speed_m_s=0"], "members.speed_m_s = 0"),
+        (["--body", "create", "--set", "members.speed_m_s=fast"], "members.speed_m_s = 'fast'"),
+        (["--body", "create", "--set", "members.formation=disc"], "members.formation"),
+        (["--body", "create", "--set", "members.pipeline=perfct"], "perfect"),
+        (["--body", "create", "--set", "members.step_units=0"], "members.step_units"),
         (["--scale", "0.1"], "--body"),
         (["--body", "creat"], "create"),
         (["--out", "x.txt"], ".csv or .json"),
@@ -152,3 +170,23 @@ def test_a_behaviour_that_returns_no_fitness(
     assert "expected a number from 0 to 1" in err
     kept = json.loads((folder / "o.json").read_text(encoding="utf-8"))
     assert [row["fitness"] for row in kept] == [0.5]  # what came before is kept
+
+
+def test_a_behaviour_that_does_not_return_is_ended(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    own = folder / "own.py"
+    own.write_text(BAD.format("[None for _ in iter(int, 1)]"), encoding="utf-8")
+    monkeypatch.setattr(blocks, "USERS_S", 2.0)
+    monkeypatch.setattr(blocks, "USERS_EACH_S", 0.0)
+    code, _, err = herd(monkeypatch, capsys, str(folder / "made"), "--behaviour", str(own), *GROUP)
+    assert (code, err.count("\n")) == (2, 1)
+    assert "takes more than 2 s" in err
+
+
+def test_plans_of_other_formats_are_environments_too(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "plan.svg").write_text(svg.to_svg(WEDGE), encoding="utf-8")
+    given = [str(tmp_path / "plan.svg"), "--behaviour", "simple-split", *GROUP, "--set", "starts.side_m=20"]
+    assert herd(monkeypatch, capsys, *given)[0] == 0

@@ -17,7 +17,7 @@ from flocking.types import Floats, Ints
 from generation.environment import Environment
 from generation.group import Job
 from generation.maps.flips import flip
-from generation.maps.judging import Judging, jobs_of, judge
+from generation.maps.judging import Judging, control, jobs_of, judge
 from generation.maps.trees import Judged, ParameterMap, refined, scattered
 from trials.simulations import watch
 from trials.simulations.environments.loop import poses_of
@@ -44,15 +44,16 @@ def run_trial(trial: Trial, scans: str = "none", reraise: bool = False, folder: 
     began = perf_counter()
     chosen = fields.chosen_by(trial)
     judging = judging_of(trial, chosen)
-    built, outcome, reason, map_ = perf_counter(), "done", "", None
+    built, outcome, reason, map_, alone = perf_counter(), "done", "", None, None
     try:
         with watch.watched():
             map_ = mapped(trial, chosen, judging, watch.breathe)
+            alone = control(judging, map_)
     except (LawFailedError, InputError) as error:
         if reraise:
             raise
         outcome, reason = "failed", " ".join(str(error).split())
-    measures = measure(map_, chosen.within) if map_ is not None else {}
+    measures = measure(map_, chosen.within, alone) if map_ is not None and alone is not None else {}
     timing = {"build_s": built - began, "loop_s": perf_counter() - built}
     result = _result(trial, chosen, judging, map_, outcome, reason)
     return dataclasses.replace(result, measures=measures, timing=timing)

@@ -11,6 +11,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from flocking.types import Bools, Floats
+from generation.maps.judging import Control
 from generation.maps.regions import region
 from generation.maps.trees import ParameterMap
 from trials.types import Measure
@@ -31,6 +32,9 @@ ABOUT: dict[str, Measure] = {
     "success": Measure("", "mean share of successful simulations, over the possible parameters"),
     "success_inside": Measure("", "the same inside of the box"),
     "success_outside": Measure("", "the same outside of it"),
+    "control_success": Measure("", "the same in the empty world, on the starts of the first 64 configurations"),
+    "uplift": Measure("", "success less control_success"),
+    "uplift_inside": Measure("", "success_inside less control_success"),
     "best_success": Measure("", "share of successful simulations of the best configuration"),
     "middle_1": Measure("", "the value of the first refined parameter in the middle of the successful configurations"),
     "middle_2": Measure("", "the value of the second one"),
@@ -43,6 +47,9 @@ ABOUT: dict[str, Measure] = {
     "x_deviation_least": Measure("m", "the smallest"),
     "x_deviation_within": Measure("", "share of them from 1.5 to 4.0 m (Fine 2015, figure 7.14)"),
     "x_deviation_below": Measure("", "share of them below 0.5 m: near a single line"),
+    "control_x_deviation": Measure(
+        "m", "mean deviation in the empty world, on the starts of the first 64 configurations"
+    ),
 }
 """Every measure, in the order in which they are shown."""
 KEY_MEASURES = ("configurations", "successful", "region_area", "region_density", "largest_share")
@@ -53,7 +60,7 @@ LINE_M = 0.5
 """A deviation that is near a single line. A choice: half of the separation of the herd's members."""
 
 
-def measure(map_: ParameterMap, within: Mapping[str, tuple[float, float]] | None) -> dict[str, float]:
+def measure(map_: ParameterMap, within: Mapping[str, tuple[float, float]] | None, control: Control) -> dict[str, float]:
     """The measures of a map, by the names of `ABOUT`; nan where there is nothing to measure."""
     possible, successful, found = map_.possible, map_.successful, region(map_, within)
     share = map_.judged.successes[possible] / map_.judged.trials[possible]
@@ -79,6 +86,9 @@ def measure(map_: ParameterMap, within: Mapping[str, tuple[float, float]] | None
         "success": found.mean,
         "success_inside": found.inside,
         "success_outside": found.outside,
+        "control_success": control.success,
+        "uplift": found.mean - control.success,
+        "uplift_inside": found.inside - control.success,
         "best_success": share.max() if count else math.nan,
         "middle_1": middle[0],
         "middle_2": middle[1] if len(middle) > 1 else math.nan,
@@ -91,6 +101,7 @@ def measure(map_: ParameterMap, within: Mapping[str, tuple[float, float]] | None
         "x_deviation_least": deviations.min() if count else math.nan,
         "x_deviation_within": _share((deviations >= TYPICAL_M[0]) & (deviations <= TYPICAL_M[1])),
         "x_deviation_below": _share(deviations < LINE_M),
+        "control_x_deviation": control.x_deviation,
     }
     return {name: float(values[name]) for name in ABOUT}
 

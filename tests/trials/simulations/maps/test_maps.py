@@ -42,6 +42,7 @@ def test_tables_give_the_map_back(result) -> None:  # type: ignore[no-untyped-de
     assert map_.successful.sum() == result.measures["successful"]
     assert len(map_.points) == result.measures["configurations"]
     assert set(result.measures) == set(simulation.SIMULATION.measures)
+    assert result.measures["uplift"] == result.measures["success"] - result.measures["control_success"]
     assert np.isfinite(result.poses_w).all()
 
 

@@ -1,0 +1,99 @@
+"""The group that `herd validate` tries environments with: kinematic members or robots, by `--set members.…`."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Annotated, Any, NamedTuple
+
+from flocking import obstacle_selection
+from flocking.errors import InputError, unknown_name
+from flocking.kinematic.bands import OBSTACLES
+from flocking.parameters import Parameter, checked, declared, filled
+from generation.group import Group
+from generation.validation.kinematic import KinematicGroup, kinematic
+from generation.validation.starts import Starts
+
+PREFIX = "members."
+ROBOTS_OWN = ("pipeline", "selection", "step_units")
+"""Of robots, beside what `GroupFields` has."""
+PLACED = ("count", "body", "body_files", "law", "formation", "start_x_m", "start_y_m", "start_heading_deg")
+"""Of `GroupFields`, what the command and the start give."""
+
+
+class Kinematic(NamedTuple):
+    """What kinematic members can be given; the defaults are those of `generation.validation.kinematic`."""
+
+    dt_s: Annotated[float, Parameter("s", "one iteration", low=1e-6)] = 1.0
+    selection: Annotated[str, Parameter("", "Fine 2015, table 3.1")] = "all"
+    speed_m_s: Annotated[float, Parameter("m/s", "ours: 2 units an iteration", low=1e-9)] = 2.0
+    max_speed_m_s: Annotated[float, Parameter("m/s", "ours", low=1e-9)] = math.inf
+    max_turn_rate_rad_s: Annotated[float, Parameter("rad/s", "ours", low=0.0)] = 0.5
+    radius_m: Annotated[float, Parameter("m", "0 = points", low=0.0)] = 0.0
+    obstacles: Annotated[str, Parameter("", "Fine 2015, figure 3.3", choices=OBSTACLES)] = "avoid"
+    obstacle_selection: Annotated[str, Parameter("", "Fine 2015, figure 3.3", reads=obstacle_selection.parse)] = "all"
+    look_ahead_m: Annotated[float, Parameter("m", "of the shared avoidance", low=0.0)] = math.nan
+    margin_m: Annotated[float, Parameter("m", "likewise", low=0.0)] = math.nan
+    sight_m: Annotated[float, Parameter("m", "range within which walls are seen", low=0.0)] = math.nan
+    goal_x_m: Annotated[float, Parameter("m", "of all members, for laws that read a goal")] = math.nan
+    goal_y_m: Annotated[float, Parameter("m", "likewise")] = math.nan
+
+
+class OfRobots(NamedTuple):
+    """What robots can be given beside `GroupFields`."""
+
+    step_units: Annotated[
+        float,
+        Parameter("units", "a choice: way that an iteration is worth (docs/validation.md)", low=0.01, high=1000.0),
+    ] = 2.0
+
+
+def group(
+    law: str,
+    count: int,
+    law_parameters: Mapping[str, Any],
+    given: Mapping[str, Any],
+    starts: Mapping[str, Any],
+    body: str | None = None,
+    scale: float | None = None,
+    jobs: int = 1,
+) -> tuple[Group, Starts]:
+    """A group and how it starts; `given`: below `members.`, `starts`: below `starts.`. Raises `InputError`."""
+    if body is None:
+        if scale is not None:
+            raise InputError(f"--scale {scale:g}: is of robots; expected --body too")
+        filled(Kinematic, given, PREFIX)
+        made: KinematicGroup = kinematic(law, count, law_parameters=law_parameters, **given)
+        _ = made.bands  # refused before anything is tried
+        return made, filled(Starts, starts, "starts.")
+    return _robots(law, count, law_parameters, given, starts, body, scale, jobs)
+
+
+def _robots(
+    law: str,
+    count: int,
+    law_parameters: Mapping[str, Any],
+    given: Mapping[str, Any],
+    starts: Mapping[str, Any],
+    body: str,
+    scale: float | None,
+    jobs: int,
+) -> tuple[Group, Starts]:
+    from trials.environments.robots import SCALE, robots
+    from trials.simulations.robots.fields import GroupFields
+
+    scale = SCALE if scale is None else scale
+    if not 1e-4 <= scale <= 1e3:
+        raise InputError(f"--scale {scale:g}: expected metres in a unit, from 0.0001 to 1000")
+    fields = {**declared(GroupFields), **declared(OfRobots)}
+    for name in PLACED:
+        del fields[name]
+    setup = {}
+    for name, value in given.items():
+        if name not in fields and "." not in name:
+            raise unknown_name("key", f"{PREFIX}{name}", [f"{PREFIX}{each}" for each in fields])
+        setup[name] = checked(f"{PREFIX}{name}", value, fields[name]) if name in fields else value
+    own = {name: setup.pop(name) for name in ROBOTS_OWN if name in setup}
+    made = robots(law, count, law_parameters=law_parameters, body=body, scale=scale, jobs=jobs, setup=setup, **own)
+    least = {"apart_m": made.apart_units, "clear_m": made.apart_units / 2.0}
+    return made, filled(Starts, {**least, **starts}, "starts.")
