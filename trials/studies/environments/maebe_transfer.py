@@ -1,18 +1,19 @@
 """How many environments that are valid for kinematic members stay valid for Creates: nobody has published it.
 
-Repeat r is tried in the r-th environment that passes. The same environments are tried with kinematic members by
-`maebe-transfer-members`: `herd run maebe-transfer-members --out …` beside this run's folder, and the claims read both.
+Repeat r is tried in the r-th environment that passes, and in its empty world. The same environments are tried with
+kinematic members by `maebe-transfer-members`: `herd run maebe-transfer-members --out …` beside this run's folder, and
+the claims read both.
 """
 
 from __future__ import annotations
 
 from trials.studies.environments import tried
-from trials.studies.environments.tried import CONDITIONS
+from trials.studies.environments.tried import TABLE_CONDITIONS as CONDITIONS
 from trials.studies.environments.tried_claims import transfer as claims
 from trials.studies.environments.tried_figures import figures
 from trials.types import Trial
 
-REPEATS = 100
+REPEATS = 60
 RECORD = "first"
 KEY_MEASURES = ("fitness", "elicited")
 

@@ -10,7 +10,7 @@ from trials.studies.environments.tried import CONDITIONS
 from trials.studies.environments.tried_figures import figures
 from trials.types import Trial
 
-REPEATS = 100
+REPEATS = 60
 RECORD = "first"
 KEY_MEASURES = ("fitness", "elicited")
 
