@@ -14,6 +14,7 @@ from typing import Any
 from flocking import found
 from flocking.errors import InputError, unknown_name
 from flocking.parameters import declared
+from generation import sources
 from generation.environment import Environment
 from generation.grammar import files
 from generation.grammar.schema import schema_of
@@ -37,6 +38,11 @@ def load(name: str, text: str = "") -> Schema:
     none, and with its fault where the file is no schema.
     """
     if is_path(name):
+        if Path(name).suffix.lower() in sources.SUFFIXES:
+            raise InputError(
+                f"schema {name!r}: expected a schema's name or file, since environments are made here; one that is "
+                "made already is tried by herd validate, or by --world of an experiment of robots or of a herd"
+            )
         if not name.endswith(".toml"):
             return _of_module(name, found.load(PACKAGE, name, "schema", text))
         return _of_grammar(name, text)

@@ -206,3 +206,9 @@ def test_a_least_limit_above_the_most_is_refused() -> None:
 
 def _of(schema: Schema, rng: np.random.Generator) -> Environment:
     return schema.generate(schema.parameters(), Environment(), rng)
+
+
+def test_an_environments_file_is_no_schema_and_the_message_says_what_takes_it(tmp_path: Path) -> None:
+    for name in ("plan.json", "plan.SVG"):
+        with pytest.raises(InputError, match="herd validate"):
+            found.load(str(tmp_path / name))
