@@ -7,18 +7,16 @@ from collections.abc import Mapping
 from typing import Annotated, Any, NamedTuple
 
 from flocking import obstacle_selection
-from flocking.errors import InputError, unknown_name
+from flocking.errors import InputError
 from flocking.kinematic.bands import OBSTACLES
-from flocking.parameters import Parameter, checked, declared, filled
+from flocking.parameters import Parameter, filled
 from generation.group import Group
 from generation.validation.kinematic import KinematicGroup, kinematic
 from generation.validation.starts import Starts
 
 PREFIX = "members."
 ROBOTS_OWN = ("pipeline", "selection", "step_units")
-"""Of robots, beside what `GroupFields` has."""
-PLACED = ("count", "body", "body_files", "law", "formation", "start_x_m", "start_y_m", "start_heading_deg")
-"""Of `GroupFields`, what the command and the start give."""
+"""Of what robots are given, what is not in their setup."""
 
 
 class Kinematic(NamedTuple):
@@ -37,15 +35,6 @@ class Kinematic(NamedTuple):
     sight_m: Annotated[float, Parameter("m", "range within which walls are seen", low=0.0)] = math.nan
     goal_x_m: Annotated[float, Parameter("m", "of all members, for laws that read a goal")] = math.nan
     goal_y_m: Annotated[float, Parameter("m", "likewise")] = math.nan
-
-
-class OfRobots(NamedTuple):
-    """What robots can be given beside `GroupFields`."""
-
-    step_units: Annotated[
-        float,
-        Parameter("units", "a choice: way that an iteration is worth (docs/validation.md)", low=0.01, high=1000.0),
-    ] = 2.0
 
 
 def group(
@@ -79,20 +68,12 @@ def _robots(
     scale: float | None,
     jobs: int,
 ) -> tuple[Group, Starts]:
-    from trials.environments.robots import SCALE, robots
-    from trials.simulations.robots.fields import GroupFields
+    from trials.environments.robots import SCALE, checked, robots
 
     scale = SCALE if scale is None else scale
     if not 1e-4 <= scale <= 1e3:
         raise InputError(f"--scale {scale:g}: expected metres in a unit, from 0.0001 to 1000")
-    fields = {**declared(GroupFields), **declared(OfRobots)}
-    for name in PLACED:
-        del fields[name]
-    setup = {}
-    for name, value in given.items():
-        if name not in fields and "." not in name:
-            raise unknown_name("key", f"{PREFIX}{name}", [f"{PREFIX}{each}" for each in fields])
-        setup[name] = checked(f"{PREFIX}{name}", value, fields[name]) if name in fields else value
+    setup = checked(given, PREFIX)
     own = {name: setup.pop(name) for name in ROBOTS_OWN if name in setup}
     made = robots(law, count, law_parameters=law_parameters, body=body, scale=scale, jobs=jobs, setup=setup, **own)
     least = {"apart_m": made.apart_units, "clear_m": made.apart_units / 2.0}

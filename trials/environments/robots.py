@@ -10,12 +10,13 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
-from flocking import lawentry, lawsource
-from flocking.errors import InputError
+from flocking import lawentry, lawsource, parameters
+from flocking.errors import InputError, unknown_name
+from flocking.parameters import Parameter
 from flocking.types import Floats
 from generation.environment import START, Environment
 from generation.files import to_json
@@ -33,6 +34,18 @@ SCALE = 0.05
 within what the Create's laser sees of members, and its walls of 40 units are 2 m. A choice."""
 STEP_UNITS = 2.0
 """Way of a kinematic member in one iteration, in units."""
+
+
+PLACED = ("count", "body", "body_files", "law", "formation", "start_x_m", "start_y_m", "start_heading_deg")
+"""Of what a group of robots can be given, what the group and its starts give."""
+
+
+class Iterations(NamedTuple):
+    """What a group of robots can be given beside `GroupFields`."""
+
+    step_units: Annotated[
+        float, Parameter("units", "a choice: way that an iteration is worth", low=0.01, high=1000.0)
+    ] = STEP_UNITS
 
 
 @dataclass(frozen=True)
@@ -124,6 +137,21 @@ def robots(law: str, count: int, **given: object) -> RobotGroup:
     """A group of robots; the text of a user's own law file is read. Raises `InputError`."""
     source = lawsource.read_source(law) if lawentry.is_path(law) else ""
     return RobotGroup(law, count, law_source=source, **given)  # type: ignore[arg-type]
+
+
+def checked(given: Mapping[str, Any], prefix: str) -> dict[str, Any]:
+    """What a user gives a group of robots, below `prefix`, checked: of `GroupFields`, of `Iterations`, or of a sensor
+    and the like (`sensors.dropout`), which a trial's own check refuses. Raises `InputError`."""
+    known = {**parameters.declared(fields.GroupFields), **parameters.declared(Iterations)}
+    for name in PLACED:
+        del known[name]
+    for name in given:
+        if name not in known and "." not in name:
+            raise unknown_name("key", f"{prefix}{name}", [f"{prefix}{each}" for each in known])
+    return {
+        name: parameters.checked(f"{prefix}{name}", value, known[name]) if name in known else value
+        for name, value in given.items()
+    }
 
 
 def _text(environment: Environment, scale: float) -> str:
