@@ -277,7 +277,7 @@ def _print_robustness(
     table = Table(
         title=(
             f"success when perturbed, less that in the empty world; walls by up to {perturbations.epsilon_m:g} m, new "
-            "starts throughout"
+            "starts throughout; intervals: --out"
         ),
         box=box.SIMPLE_HEAD, title_justify="left", pad_edge=False,
     )  # fmt: skip
@@ -292,7 +292,7 @@ def _print_robustness(
 
 
 def _perturbed(found: Perturbed) -> str:
-    return f"{found.rate.rate:.2f} - {found.control.rate:.2f} ({_interval(found.uplift)})"
+    return f"{found.rate.rate:.2f} - {found.control.rate:.2f}"
 
 
 def _interval(uplift: Uplift) -> str:
