@@ -19,11 +19,11 @@ import numpy as np
 
 from flocking.errors import InputError
 from flocking.types import Floats
-from generation.free_space import crossed
+from generation.free_space import crossed, in_solid
 from generation.group import Group
 from generation.piloting import chain
 from generation.piloting.chain import State
-from generation.piloting.formations import has_room
+from generation.piloting.formations import has_room, slots
 from generation.piloting.plan import ROBOTS_A_WALL, Plan, Wall, words
 from generation.piloting.task import Task
 
@@ -114,7 +114,12 @@ def candidates(task: Task, corner: int, grid: Grid) -> list[Wall]:
                 continue
             ends = sorted((tuple(segment[:2].round(3)), tuple(end.round(3))))
             found.setdefault((*ends[0], *ends[1]), wall)
-    return list(found.values())
+    tried = list(found.values())
+    if not tried:
+        return []
+    places = np.concatenate([slots(wall.segment(task), grid.robots) for wall in tried])
+    within = in_solid(task.environment, places).reshape(len(tried), -1)
+    return [wall for wall, slots_within in zip(tried, within, strict=True) if not slots_within.any()]
 
 
 def steadiness(wall: Wall, shares: Mapping[Wall, float], grid: Grid) -> float:
@@ -155,6 +160,12 @@ def search(
         progress.best = begun
     states = chain.starts(task, group.count, how.starts, how.seed, how.side_m, how.apart_m)
     fresh = chain.starts(task, group.count, how.starts, how.seed + 1, how.side_m, how.apart_m)
+    for turn, corner in enumerate(task.turns, 1):
+        if not candidates(task, corner, how.grid):
+            raise InputError(
+                f"task {task.name}: no wall of the grid can stand at turn {turn}: expected an anchor within "
+                f"{how.grid.reach_m:g} m of it, and lengths along which {how.grid.robots} robots have room"
+            )
     finder = _Finder(task, group, step_m, how, static, progress, fresh, robots)
     for kept in range(len(begun.walls), -1, -1):
         first = Plan(task.name, static, begun.walls[:kept], begun.shares[:kept])

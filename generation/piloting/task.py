@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -31,6 +32,7 @@ from generation.workspaces import ANCHOR
 FORMAT = 1
 FOLDER = Path(__file__).parent / "tasks"
 _KEYS = {"format", "about", "corridor_m", "environment"}
+_NUMBERED = re.compile(rf"{ANCHOR}\d{{1,6}}")
 STRAIGHT_RAD = math.radians(1.0)
 """Change of direction below which a corner of a trajectory is no turn."""
 
@@ -79,7 +81,7 @@ class Task:
         return {
             int(name.removeprefix(ANCHOR)): np.array([mark.x_m, mark.y_m])
             for name, mark in marks.items()
-            if name.startswith(ANCHOR) and isinstance(mark, Point)
+            if isinstance(mark, Point) and _NUMBERED.fullmatch(name)
         }
 
 
@@ -133,6 +135,9 @@ def checked(task: Task) -> Task:
     if not task.anchors:
         raise InputError(f"task {task.name} has no {ANCHOR}1: expected points to which walls can be fixed")
     walls = task.environment.walls()
+    for name in task.environment.markers:
+        if name.startswith(ANCHOR) and not _NUMBERED.fullmatch(name):
+            raise InputError(f"task {task.name}: marker {name!r}; expected {ANCHOR} and a number, as in {ANCHOR}1")
     for k in range(len(line) - 1):
         if crossed(walls, line[k], line[k + 1 : k + 2])[0]:
             raise InputError(

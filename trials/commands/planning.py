@@ -14,8 +14,12 @@ from flocking.errors import InputError, unknown_name
 if TYPE_CHECKING:
     from generation.group import Group
     from generation.piloting.plan import Plan
-    from generation.piloting.planner import Grid
+    from generation.piloting.planner import Grid, Progress
     from generation.piloting.task import Task
+
+
+FINEST_DEG = 0.5
+"""Steps of angle below this make more walls at a turn than anybody waits for."""
 
 
 class Asked(NamedTuple):
@@ -39,7 +43,11 @@ class Asked(NamedTuple):
 def plan(asked: Asked) -> None:
     """Makes the plan and prints it; `out` gets it, or as much of it as was found. Raises `InputError`."""
     from flocking import lawentry, users_files
+    from robots import body as bodies
     from trials.commands import lawcheck
+
+    if asked.body is not None:
+        bodies.load(asked.body)  # refused before the search begins
 
     if lawentry.is_path(asked.law):
         lawcheck.check(asked.law)
@@ -61,14 +69,8 @@ def _search(asked: Asked) -> None:
         found = planner.search(
             task, group, members.STEP_M, how, asked.static, progress, begun, _robots(asked, group.count)
         )
-    except (InputError, KeyboardInterrupt):
-        part = progress.best
-        whole = part is not None and len(part.walls) == len(task.turns)  # but guided no new herds
-        if part is not None and not whole and asked.out is not None:
-            _write(asked, part, progress.simulations)
-            print(f"{len(part.walls)} walls are kept in {asked.out}: the same command goes on", file=sys.stderr)
-        elif part is None:
-            print("no wall was found yet: there is nothing to keep", file=sys.stderr)
+    except (InputError, KeyboardInterrupt) as ended:
+        print(_kept(asked, task, progress, ended), file=sys.stderr)
         raise
     _write(asked, found, progress.simulations)
     print(_told(task, found, progress.simulations))
@@ -77,26 +79,50 @@ def _search(asked: Asked) -> None:
     print(f"of 20 new herds {shares[True]:.2f} arrive while all walls stand, {shares[False]:.2f} while two do")
 
 
+def _kept(asked: Asked, task: Task, progress: Progress, ended: BaseException) -> str:
+    """Keeps the longest chain of walls that a search found which has no plan, and says so in a line."""
+    from generation.piloting.planner import BudgetSpentError
+
+    part = progress.best
+    if part is not None and len(part.walls) == len(task.turns):  # a whole one that guided too few new herds
+        part = replace(part, walls=part.walls[:-1], shares=part.shares[:-1])
+    if part is None or not part.walls:
+        return "no wall was found yet: there is nothing to keep"
+    if asked.out is None:
+        return f"{len(part.walls)} walls were found; --out FILE keeps them"
+    _write(asked, part, progress.simulations)
+    goes_on = "the same command goes on from them"
+    if isinstance(ended, BudgetSpentError):
+        goes_on = "the same command with a larger --budget goes on from them"
+    elif isinstance(ended, InputError):
+        goes_on = "the same command with a finer grid (--set grid.angle_step_deg=…) goes on from them"
+    return f"{len(part.walls)} walls are kept in {asked.out}: {goes_on}"
+
+
 def _exhaust(asked: Asked) -> None:
     from generation.piloting import chain, members, static
     from generation.piloting.planner import USUAL
 
+    if asked.body is not None:
+        raise InputError(f"--body {asked.body} with --exhaust: expected one; all sets are tried by kinematic herds")
     task, group = _asked_for(asked)
     states = chain.starts(task, group.count, asked.starts, asked.seed, USUAL.side_m, USUAL.apart_m)
     grid = _grid(asked.settings)
 
     def say(tried: int, sets: int) -> None:
-        if tried % 1000 == 0:
-            print(f"{tried} walls and sets of walls tried", file=sys.stderr)
+        print(f"{tried:,} stages tried, of {sets:,} sets", file=sys.stderr)
 
-    found = static.exhaust(task, group, states, members.STEP_M, members.SEES_M, grid, asked.share, say)
+    found = static.exhaust(task, group, states, members.STEP_M, members.SEES_M, grid, asked.budget, say)
     lengths = ", ".join(f"{length:g}" for length in grid.lengths_m)
     print(
         f"{task.name}: {found.sets:,} sets of one wall a turn, {lengths} m long, every {grid.angle_step_deg:g} degrees"
     )
     print(f"{found.tried:,} stages simulated; the best set guides {found.best:.2f} of the members to the goal")
-    if found.plan is not None and asked.out is not None and found.best >= asked.share:
-        _write(asked, found.plan, found.tried)
+    if asked.out is not None:
+        if found.plan is None:
+            print(f"no set guides anybody: nothing is kept in {asked.out}")
+        else:
+            _write(asked, found.plan, found.tried * asked.starts)
 
 
 def _asked_for(asked: Asked) -> tuple[Task, Group]:
@@ -141,8 +167,13 @@ def _grid(settings: Mapping[str, Any]) -> Grid:
         several = isinstance(getattr(grid, name), tuple)
         numbers = value if several and isinstance(value, list) else [value]
         fits = numbers and all(isinstance(n, int | float) and not isinstance(n, bool) and 0 < n <= 360 for n in numbers)
+        fits = fits and not (name == "angle_step_deg" and value < FINEST_DEG)
         if not fits or (name == "robots" and not isinstance(value, int)):
-            expected = "lengths above 0, as in [1.5, 2.12]" if several else "a number above 0, and at most 360"
+            expected = (
+                "lengths above 0, as in [1.5, 2.12]"
+                if several
+                else f"a number above 0, and at most 360; an angle of at least {FINEST_DEG:g}"
+            )
             raise InputError(f"--set {key}={value!r}: expected {expected}")
         own[name] = tuple(float(n) for n in numbers) if several else value
     return grid._replace(**own)
@@ -179,7 +210,10 @@ def _write(asked: Asked, found: Plan, simulations: int) -> None:
 
     if asked.out is None:
         return
-    told = {"law": asked.law, "members": asked.members, "seed": asked.seed, "simulations": simulations}
+    told = {
+        "law": asked.law, "members": asked.members, "body": asked.body, "starts": asked.starts, "share": asked.share,
+        "budget": asked.budget, "seed": asked.seed, "settings": dict(asked.settings), "simulations": simulations,
+    }  # fmt: skip
     write_whole(asked.out, plans.to_json(found, told).encode())
 
 

@@ -104,7 +104,7 @@ def test_a_plan_is_found_for_a_staircase_and_guides_new_herds(changing: bool) ->
 def test_no_walls_that_stand_all_the_time_solve_the_loop_and_walls_that_change_do() -> None:
     task, group = tasks.load("task-3"), Sliding()
     states = chain.starts(task, 1, 2, 1, 0.2, 0.0)
-    found = static.exhaust(task, group, states, STEP_M, 2.0 * STEP_M, COARSE, 1.0)
+    found = static.exhaust(task, group, states, STEP_M, 2.0 * STEP_M, COARSE)
     assert found.best == 0.0
     assert found.plan is None or len(found.plan.walls) == 5
     assert 0 < found.tried <= found.sets
@@ -117,7 +117,7 @@ def test_no_walls_that_stand_all_the_time_solve_the_loop_and_walls_that_change_d
 def test_exhausting_the_sets_of_a_staircase_finds_one() -> None:
     task, group = tasks.load("task-1"), Sliding()
     states = chain.starts(task, 1, 2, 1, 0.2, 0.0)
-    found = static.exhaust(task, group, states, STEP_M, 2.0 * STEP_M, COARSE, 1.0)
+    found = static.exhaust(task, group, states, STEP_M, 2.0 * STEP_M, COARSE)
     assert found.best == 1.0
     assert found.plan is not None
     assert chain.share(chain.follow(task, found.plan, group, states, STEP_M)[-1]) == 1.0
@@ -132,6 +132,10 @@ def test_a_budget_that_is_spent_keeps_the_longest_chain() -> None:
 
 def test_a_grid_without_a_plan_says_what_was_tried() -> None:
     with pytest.raises(InputError, match="no plan of changing walls in the grid: the longest chain has 0 of 3"):
+        planner.search(
+            tasks.load("task-1"), Sliding(), STEP_M, HOW._replace(grid=Grid(90.0, (0.3,), robots=1, radius_m=0.01))
+        )
+    with pytest.raises(InputError, match=r"no wall of the grid can stand at turn 1: expected an anchor within 1\.3 m"):
         planner.search(tasks.load("task-1"), Sliding(), STEP_M, HOW._replace(grid=Grid(90.0, (0.3,))))
 
 

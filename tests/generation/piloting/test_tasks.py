@@ -74,6 +74,7 @@ def with_marker(name: str, mark: Any) -> str:
         (given(environment={"format": 1}), "unit"),
         (with_marker("goal", {"kind": "point", "x": 0, "y": 0}), "expected a polygon"),
         (with_marker("trajectory", {"kind": "polyline", "points": [[4, 2], [6, 6], [11, 8]]}), "leaves the workspace"),
+        (with_marker("anchor-x", {"kind": "point", "x": 0, "y": 0}), "as in anchor-1"),
         (with_marker("trajectory", {"kind": "polyline", "points": [[8, 2], [8, 4], [11, 4]]}), "the start is"),
         (with_marker("trajectory", {"kind": "polyline", "points": [[4, 2], [4, 4], [8, 4]]}), "not in the goal"),
     ],

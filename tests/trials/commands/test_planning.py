@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from pathlib import Path
 
@@ -36,6 +37,7 @@ def test_a_partial_plan_is_kept_and_gone_on_with(tmp_path: Path, capsys, monkeyp
     assert run(monkeypatch, "task-4", *SMALL, "--budget", "120", "--out", str(out)) == 2
     told = capsys.readouterr().err
     assert "no plan within 120 simulations" in told
+    assert "with a larger --budget goes on" in told
     partial = plans.read(out)
     assert 0 < len(partial.walls) < 3
     assert run(monkeypatch, "task-4", *SMALL, "--out", str(out)) == 0
@@ -51,7 +53,7 @@ def test_ctrl_c_keeps_the_walls_that_were_found(tmp_path: Path, capsys, monkeypa
     monkeypatch.setattr(planner, "search", interrupted)
     out = tmp_path / "plan.json"
     assert run(monkeypatch, "task-4", "--out", str(out)) == 130
-    assert f"1 walls are kept in {out}: the same command goes on" in capsys.readouterr().err
+    assert f"1 walls are kept in {out}: the same command goes on from them" in capsys.readouterr().err
     assert len(plans.read(out).walls) == 1
 
 
@@ -69,7 +71,9 @@ def test_ctrl_c_before_a_wall_was_found_says_so(tmp_path: Path, capsys, monkeypa
 def test_no_set_of_standing_walls_of_a_grid_solves_the_third_task(capsys, monkeypatch) -> None:
     words = ["task-3", "--exhaust", "--starts", "3", "--set", "grid.angle_step_deg=90", "--set", "grid.lengths_m=[1.5]"]
     assert run(monkeypatch, *words) == 0
-    assert "the best set guides 0.00 of the members" in capsys.readouterr().out
+    found = re.search(r"the best set guides (\S+) of the members", capsys.readouterr().out)
+    assert found is not None
+    assert float(found[1]) < 0.9  # which a whole plan has to guide; one of three herds passes a crossing by chance
 
 
 @pytest.mark.parametrize(
@@ -80,6 +84,10 @@ def test_no_set_of_standing_walls_of_a_grid_solves_the_third_task(capsys, monkey
         (["task-1", "--set", "grid.angle=3"], "did you mean grid.angle_step_deg"),
         (["task-1", "--set", "grid.lengths_m=[]"], "expected lengths above 0"),
         (["task-1", "--law", "boids"], "boids"),
+        (["task-1", "--body", "creat"], "create"),
+        (["task-1", "--exhaust", "--body", "create"], "--body create with --exhaust"),
+        (["task-3", "--exhaust", "--budget", "10"], "take more than 10 simulations"),
+        (["task-1", "--set", "grid.angle_step_deg=0.0001"], "an angle of at least 0.5"),
         (["missing.json"], "missing.json"),
     ],
 )

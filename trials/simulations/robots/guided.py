@@ -15,11 +15,13 @@ import numpy as np
 from flocking.errors import InputError
 from flocking.parameters import Parameter, filled
 from flocking.types import Floats, Ints
+from generation.free_space import in_solid
 from generation.piloting import chain, dogs, formations, sheepdogs
 from generation.piloting import plan as plans
 from generation.piloting import task as tasks
+from generation.piloting.pilots import CLEAR_M
 from generation.piloting.plan import Plan
-from generation.piloting.routes import Ground, ground
+from generation.piloting.routes import Ground, ground, route
 from generation.piloting.task import Task
 from trials.rows import below
 from trials.types import Group, Trial
@@ -177,8 +179,10 @@ def check(trial: Trial, radius_m: float) -> None:
             f"piloting.walls has {len(plan.walls)} walls, and {task.name} {len(task.turns)} turns; expected one a "
             f"turn: herd plan {task.name} finds them"
         )
-    for wall in plan.walls:
-        wall.segment(task)
+    for number, wall in enumerate(plan.walls, 1):
+        segment = wall.segment(task)
+        if in_solid(task.environment, formations.slots(segment, given.robots_a_wall)).any():
+            raise InputError(f"wall {number} of {task.name} lies within a solid; expected it in the free space")
     pilots = len(members(trial, pilots=True))
     if given.guides == WALLS:
         if pilots:
@@ -192,3 +196,19 @@ def check(trial: Trial, radius_m: float) -> None:
                 f"wall {number} of {task.name}, {wall.length_m:g} m long, has no room for {given.robots_a_wall} robots "
                 f"of {2.0 * radius_m:g} m beside one another and other walls; expected a longer wall, or fewer robots"
             )
+    number = _unreached(name_of(trial), given.walls, pilots, given.robots_a_wall, radius_m)
+    if number:
+        raise InputError(f"wall {number} of {task.name}: no way of {2.0 * radius_m:g} m leads its pilots there")
+
+
+@lru_cache(maxsize=64)
+def _unreached(name: str, words: str, pilots: int, robots_a_wall: int, radius_m: float) -> int:
+    """The number (from 1) of the first wall to which no way leads from where its pilots come; 0 where there is none."""
+    task, over = _task(name), ground_of(name, radius_m + CLEAR_M)
+    places = [formations.slots(wall.segment(task), robots_a_wall) for wall in plans.of_words(words)]
+    nobody, at_once = np.empty((0, 2)), pilots // robots_a_wall
+    for number in range(at_once, len(places)):
+        ways = (route(over, places[number - at_once][0], place, nobody, nobody, 0.0) for place in places[number])
+        if any(len(way) == 0 for way in ways):
+            return number + 1
+    return 0

@@ -32,6 +32,8 @@ def trial(guides: str, **setup: Value) -> Trial:
         ("walls", {"piloting.walls": "27 315"}, "expected its anchor, its angle in degrees and its length"),
         ("walls", {"piloting.walls": "19 60 2.12"}, "has 1 walls, and task-1 3 turns; expected one a turn"),
         ("walls", {"piloting.walls": "99 60 2.12, 21 30 2.12, 37 60 2.12"}, "has anchors 1 to 64"),
+        ("walls", {"piloting.walls": "19 60 2.12, 21 30 2.12, 37 240 2.12"}, "wall 3 of task-1 lies within a solid"),
+        ("pilots", {"piloting.walls": "19 60 2.12, 21 30 2.12, 37 240 2.12"}, "wall 3 of task-1 lies within a solid"),
         ("pilots", {"pilots.count": 5}, "5 pilots for walls of 3 robots; expected a multiple, as 6"),
         ("pilots", {"pilots.count": 12}, "12 pilots for 3 walls of 3 robots; expected at most 9"),
         ("pilots", {"piloting.robots_a_wall": 7}, "has no room for 7 robots"),
