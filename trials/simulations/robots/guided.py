@@ -82,6 +82,11 @@ def name_of(trial: Trial) -> str:
     return str(trial.setup.get("task", NONE))
 
 
+def has_task(trial: Trial) -> bool:
+    """Whether a trial's herd is guided through a task."""
+    return name_of(trial) != NONE
+
+
 def parameters(trial: Trial) -> Parameters:
     """A trial's parameters, filled in. Raises `InputError`."""
     found: Parameters = filled(Parameters, below(trial.setup, PREFIX), prefix=PREFIX)

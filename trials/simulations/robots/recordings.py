@@ -5,6 +5,7 @@ Entities (times on the timeline `time`, s; lengths in metres, world frame):
     world                       static transform: the viewer's plane has y downwards, the world upwards
     world/walls, world/paths    the walls; the whole path of each robot
     world/standing              the walls that rise and vanish, a row for each change
+    world/task/PART             of a guided herd: trajectory, corridor, goal, planned walls, slots, who is sent to them
     world/robots/ROBOT          its pose over time; below it body, name, heading and pressed bumpers, which move with it
     world/trails                the path in pieces (the layout shows those of the last seconds)
     world/scans/ROBOT           returns, coloured by intensity (grey where it was not given)
@@ -12,7 +13,7 @@ Entities (times on the timeline `time`, s; lengths in metres, world frame):
     world/way_points/ROBOT      from the robot to its way-point, in the colour of the rule that chose it
     world/contacts, events      where a robot began to touch something; the same in words
     rules/ROBOT, bumpers/ROBOT  states, a row for each change
-    measures/NAME, rule_shares/RULE, nearest_inputs/ROBOT  series for the plots
+    measures/NAME, rule_shares/RULE, nearest_inputs/ROBOT, task_shares/NAME  series for the plots
     herd                        a transform that follows the centre of the herd
     about, legend               the trial in words, and what is drawn
 
@@ -31,7 +32,7 @@ from flocking.measures import formation
 from flocking.types import Bools, Floats
 from trials.simulations.columns import member_colours, name_tag, packed, series, times_column
 from trials.simulations.recording_file import opened
-from trials.simulations.robots import recorded_senses, screen
+from trials.simulations.robots import recorded_senses, recorded_tasks, screen
 from trials.simulations.robots.fields import of_trial
 from trials.simulations.robots.measures import GROUP_CUT_M
 from trials.types import TrialResult
@@ -60,6 +61,7 @@ def write(result: TrialResult, path: Path) -> None:
     with opened(result.trial, path, screen.blueprint(result)) as recording:
         _world(recording, result)
         _standing(recording, result)
+        recorded_tasks.send_task(recording, result)
         _robots(recording, result)
         recorded_senses.send_updates(recording, result)
         recorded_senses.send_scans(recording, result)
@@ -73,7 +75,7 @@ def _world(recording: rr.RecordingStream, result: TrialResult) -> None:
     if len(walls):
         recording.log("world/walls", rr.LineStrips2D(walls, colors=packed([WALL_COLOUR]), radii=[0.015]), static=True)
     recording.log("about", rr.TextDocument(screen.about(result), media_type="text/markdown"), static=True)
-    recording.log("legend", rr.TextDocument(screen.LEGEND, media_type="text/markdown"), static=True)
+    recording.log("legend", rr.TextDocument(screen.legend(result), media_type="text/markdown"), static=True)
 
 
 def _standing(recording: rr.RecordingStream, result: TrialResult) -> None:

@@ -38,7 +38,11 @@ class Guided:
         """When each stage began, and when the pilots that were sent then stood in their places (nan: never), s."""
         self.rows: list[tuple[float, float, float, float, float, float]] = []
         """Walls that stood: from, to (nan: to the end), x0, y0, x1, y1."""
+        self.sent: list[tuple[float, float, float, float, float]] = []
+        """Pilots that were sent to a place: when, which robot, to which wall (from 0), x, y."""
         self._leg, self._astray = np.zeros(len(self.herd), np.int64), np.zeros(len(self.herd), np.bool_)
+        self._stand: dict[int, int] = {}
+        """Number of a wall that stands → its row."""
         self._held: dict[int, Ints] = {}
         self._under_way: dict[int, Ints] = {}
         """Number of a stage → the pilots that were sent in it and have not all arrived."""
@@ -67,8 +71,12 @@ class Guided:
             self._herd(self._dogs, time, poses_w)
 
     def tables(self) -> dict[str, Floats]:
-        """What is kept of it: `stages` (S, 2) and `standing` (E, 6), as the lists above."""
-        return {"stages": np.array(self.stages).reshape(-1, 2), "standing": np.array(self.rows).reshape(-1, 6)}
+        """What is kept of it: `stages` (S, 2), `standing` (E, 6) and `sent` (P, 5), as the lists above."""
+        return {
+            "stages": np.array(self.stages).reshape(-1, 2),
+            "standing": np.array(self.rows).reshape(-1, 6),
+            "sent": np.array(self.sent).reshape(-1, 5),
+        }
 
     def _is_cleared(self, time: float, places: Floats, of: course.Course) -> bool:
         through = course.passed(self.task, places[None], of, self.task.turns[self.passed], self.given.beyond_m)[0]
@@ -91,6 +99,9 @@ class Guided:
             self._under_way = {stage: who for stage, who in self._under_way.items() if not sent & set(who.tolist())}
             self._under_way[len(self.stages) - 1] = held.moving
             self._drivers.send(held.moving, held.places)
+            walls = {int(robot): wall for wall, robots in held.walls.items() for robot in robots}
+            for robot, place in zip(held.moving.tolist(), held.places.tolist(), strict=True):
+                self.sent.append((time, float(self.pilots[robot]), float(walls[robot]), *place))
 
     def _raise_walls(self, time: float) -> None:
         standing, data = self.world.standing, self.world.data
@@ -100,9 +111,10 @@ class Guided:
                 continue
             standing.put(data, k, k in wanted)
             if k in wanted:
+                self._stand[k] = len(self.rows)
                 self.rows.append((time, np.nan, *standing.segments[k].tolist()))
             else:
-                ended = [row[2:] for row in self.rows].index(tuple(standing.segments[k].tolist()))
+                ended = self._stand.pop(k)
                 self.rows[ended] = (self.rows[ended][0], time, *self.rows[ended][2:])
 
     def _drive(self, time: float, poses_w: Floats) -> None:

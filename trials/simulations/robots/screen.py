@@ -7,6 +7,7 @@ import rerun.blueprint as rrb
 
 from flocking.types import Floats
 from trials.simulations import views
+from trials.simulations.robots import guided, recorded_tasks
 from trials.simulations.robots.fields import of_group, of_trial
 from trials.types import TrialResult
 
@@ -29,6 +30,11 @@ LEGEND = """
 - **white dot**: something was touched there just now
 """
 """What is drawn, in Markdown."""
+
+
+def legend(result: TrialResult) -> str:
+    """What is drawn, in Markdown, with what a task brings."""
+    return LEGEND + (recorded_tasks.LEGEND.lstrip("\n") if guided.has_task(result.trial) else "")
 
 
 def rule_names(result: TrialResult) -> list[str]:
@@ -71,7 +77,9 @@ def blueprint(result: TrialResult) -> rrb.Blueprint:
         rrb.TextLogView(origin="/events", name="Contacts"),
     )
     below = rrb.Horizontal(states, views.legend(), column_shares=[3, 2])
+    task = [views.plot("Arrived and astray", ["/task_shares/**"], (0.0, 1.05))] if guided.has_task(result.trial) else []
     plots = [
+        *task,
         views.plot("Order", ["/measures/polarization", "/measures/straightness"], (0.0, 1.05)),
         views.plot("Median distance from the centre (m)", ["/measures/mmd"]),
         views.plot("Speed of the group (m/s)", ["/measures/group_speed"]),
@@ -85,7 +93,7 @@ def blueprint(result: TrialResult) -> rrb.Blueprint:
     return views.layout(
         rrb.Horizontal(
             rrb.Vertical(close, whole, below, row_shares=[5, 1.3, 2.9]),
-            rrb.Vertical(*plots, row_shares=[1, 1, 1, 1, 1.7]),
+            rrb.Vertical(*plots, row_shares=[*([1] * (len(plots) - 1)), 1.7]),
             column_shares=[2, 1],
         )
     )
