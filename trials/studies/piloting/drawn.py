@@ -15,6 +15,7 @@ from trials.simulations.robots import guided
 from trials.types import TrialResult
 
 GUIDED, GUIDING, WALL = "#009e73", "#d55e00", "#f0c000"
+START, GOAL = "#0072b2", "#9ad7a5"
 
 
 def snapshots(task: str, rows: Sequence[tuple[str, TrialResult]], moments: int) -> Any:
@@ -29,6 +30,27 @@ def snapshots(task: str, rows: Sequence[tuple[str, TrialResult]], moments: int) 
     return canvas
 
 
+def whole(axis: Any, task: str, result: TrialResult) -> None:
+    """Draws a whole trial as figure 8.6 does: all ways in black, robots where they end, and all walls of the plan."""
+    found = tasks.load(task)
+    for wall in result.walls_w:
+        axis.plot(wall[[0, 2]], wall[[1, 3]], color="#888888", lw=0.6)
+    for each in guided.plan_of(result.trial).walls:
+        segment = each.segment(found)
+        axis.plot(segment[::2], segment[1::2], color=WALL, lw=2.0, zorder=3)
+    now = int(np.searchsorted(result.times, _last(result)).clip(0, len(result.times) - 1))
+    for pilots, colour in ((False, GUIDED), (True, GUIDING)):
+        ways = result.poses_w[: now + 1, guided.members(result.trial, pilots), :2]
+        axis.plot(ways[..., 0], ways[..., 1], color="black", lw=0.4)
+        axis.plot(*ways[-1].T, "o", color=colour, ms=3.5, mew=0.0, zorder=4)
+    axis.plot(*found.trajectory.T, ":", color="black", lw=1.2)
+    axis.plot([found.start.x_m], [found.start.y_m], "o", color=START, ms=7.0, mew=0.0)
+    axis.plot(*found.goal.mean(axis=0), "o", color=GOAL, ms=7.0, mew=0.0)
+    axis.set_aspect("equal")
+    axis.set_xticks([])
+    axis.set_yticks([])
+
+
 def moment(axis: Any, task: str, result: TrialResult, time: float) -> None:
     """Draws where all robots and walls are at a time, s, and the herd's ways so far."""
     found = tasks.load(task)
@@ -37,7 +59,17 @@ def moment(axis: Any, task: str, result: TrialResult, time: float) -> None:
     for began, ended, *segment in result.tables["standing"]:
         if began <= time and not ended <= time:
             axis.plot(segment[::2], segment[1::2], color=WALL, lw=2.0)
+    for segment in held(result, time):
+        axis.plot(segment[::2], segment[1::2], color=WALL, lw=1.2)
     robots_and_ways(axis, result, time)
+
+
+def held(result: TrialResult, time: float) -> Floats:
+    """(K, 4) the walls that pilots hold at a time, or are on their way to, m; none where walls stand themselves."""
+    sent = result.tables.get("sent", np.empty((0, 5)))
+    last = {int(robot): int(wall) for began, robot, wall, *_ in sent if began <= time}
+    task, plan = guided.task_of(result.trial), guided.plan_of(result.trial)
+    return np.array([plan.walls[wall].segment(task) for wall in sorted(set(last.values()))]).reshape(-1, 4)
 
 
 def mean(axis: Any, x: float, values: Floats, colour: str) -> None:

@@ -1,4 +1,4 @@
-"""The figures of `piloting`: table 8.1 beside ours, and a time series of a trial of each cell (figures 8.7 to 8.10)."""
+"""The figures of `piloting`: table 8.1 beside ours, and a time series of a trial of each cell (figures 8.6 to 8.10)."""
 
 from __future__ import annotations
 
@@ -12,7 +12,8 @@ from trials.reports import figures as draw
 from trials.reports.arms import by_arm
 from trials.reports.figures import Figure, Place
 from trials.studies.piloting.design import KEYS, MEASURE, PILOTS, WALLS
-from trials.studies.piloting.drawn import mean, snapshots
+from trials.studies.piloting.drawn import mean, snapshots, whole
+from trials.types import TrialResult
 
 COLOURS = {WALLS: "#0072b2", PILOTS: "#d55e00"}
 LABELS = {WALLS: "walls", PILOTS: "robots"}
@@ -25,7 +26,7 @@ def figures(run: Run, folder: Path) -> list[Figure]:
 
 
 def _figures(run: Run, place: Place) -> list[Figure]:
-    return [_table(run, place), *_series(run, place)]
+    return [_table(run, place), *_whole(run, place), *_series(run, place)]
 
 
 def _done(run: Run, task: str, guides: str) -> list[FinishedTrial]:
@@ -59,21 +60,44 @@ def _table(run: Run, place: Place) -> Figure:
     return draw.save(canvas, place, "table", "Table 8.1", caption)
 
 
+def _best(run: Run, task: str, guides: str) -> TrialResult | None:
+    """The first of the trials of a cell in which most robots arrive; None where its series is gone."""
+    own = sorted(_done(run, task, guides), key=lambda row: (-row.measures[MEASURE], row.index))
+    return run.series(own[0].index) if own else None
+
+
+def _whole(run: Run, place: Place) -> list[Figure]:
+    """Of each task the best trial by robots, as in figure 8.6."""
+    found = [(task, result) for task in _tasks(run) if (result := _best(run, task, PILOTS)) is not None]
+    if not found:
+        return []
+    canvas, axes = draw.grid(len(found), 2, width=6.4, height=3.4 * ((len(found) + 1) // 2))
+    for axis, (task, result) in zip(axes, found, strict=False):
+        whole(axis, task, result)
+        axis.set_title(task, loc="left")
+    caption = (
+        "Green: the robots that are guided; red: those that guide them, where they end; black: their ways; yellow: the "
+        "walls that they take for templates; dotted: the trajectory, from blue to light green. The best trial of each, "
+        "as in figure 8.6 of Fine 2015."
+    )
+    return [draw.save(canvas, place, "whole", "Formations in place of walls", caption, dots=True)]
+
+
 def _series(run: Run, place: Place) -> list[Figure]:
     """Of each task, moments of the first of the trials in which most robots arrive, by walls above and robots below."""
     found = []
     caption = (
-        "Green: the robots that are guided; red: those that guide; yellow: walls that stand; dotted: the trajectory. "
+        "Green: the robots that are guided; red: those that guide; yellow: walls that stand, thin those that robots "
+        "hold or are sent to; dotted: the trajectory. "
         "The best trial of each; time from left to right."
     )
     for task in _tasks(run):
         rows = []
         for guides, label in LABELS.items():
-            own = sorted(_done(run, task, guides), key=lambda row: (-row.measures[MEASURE], row.index))
-            result = run.series(own[0].index) if own else None
+            result = _best(run, task, guides)
             if result is not None:
                 rows.append((label, result))
         if rows:
-            canvas, name = snapshots(task, rows, MOMENTS), f"{task}, as in figures 8.7 to 8.10"
+            canvas, name = snapshots(task, rows, MOMENTS), f"{task}, as in figures 8.6 to 8.10"
             found.append(draw.save(canvas, place, f"series-{task}", name, caption, dots=True))
     return found
