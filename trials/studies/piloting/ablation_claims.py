@@ -1,4 +1,7 @@
-"""What of the gap between walls and robots each ablation explains, as claims of ours."""
+"""Whether what differs in an ablation matters to who is guided by robots, as claims of ours.
+
+Compared are the least and the largest value of each thing that is a number, in pairs of trials with the same start.
+"""
 
 from __future__ import annotations
 
@@ -6,6 +9,7 @@ from collections.abc import Sequence
 from functools import partial
 from typing import Any
 
+from generation.piloting import plan as plans
 from trials.evidence.claims import Entry, Question, all_must_hold, answers, claim_of
 from trials.evidence.outcomes import Outcome, more
 from trials.evidence.runs import Cells, Run
@@ -34,9 +38,16 @@ def _questions(cells: Cells) -> list[Question]:
             continue
         least, most = ends
         judge = all_must_hold(f"paired difference of the shares above {MARGIN:g}", partial(_more, cells, most, least))
-        quantity = f"{told}: {most[number]} less {least[number]}"
+        quantity = f"{told}: {_shown(number, most[number])} less {_shown(number, least[number])}"
         found.append(claim_of(__package__, "ours", "ablation_claims", number, quantity, judge))
     return found
+
+
+def _shown(number: int, value: object) -> str:
+    """A value, with the number of pilots where that follows from it."""
+    return (
+        f"{value} ({plans.AT_ONCE * int(str(value))} pilots)" if KEYS[number].endswith("robots_a_wall") else str(value)
+    )
 
 
 def _ends(planned: Sequence[Values], key: int) -> tuple[Values, Values] | None:

@@ -16,7 +16,7 @@ from trials.studies.piloting.drawn import mean
 from trials.studies.piloting.figures import COLOURS, LABELS
 
 TITLES = {
-    "piloting.robots_a_wall": "robots a wall",
+    "piloting.robots_a_wall": "robots a wall (twice as many pilots)",
     "pilots.speed_m_s": "speed of the pilots, m/s",
     "herd.count": "members of the herd",
     "herd.law": "law",
@@ -48,7 +48,10 @@ def _panels(run: Run, place: Place) -> Figure:
         axis.set_xticks(range(len(values)), [str(value) for value in values])
         axis.set_ylim(-0.05, 1.1)
     axes[0].legend(frameon=False)
-    caption = "Mean share of the robots that arrive, with 95 % intervals; all else as in the others."
+    caption = (
+        "Mean share of the robots that arrive, with 95 % intervals; all else as in the others, with six pilots where "
+        "nothing else is said."
+    )
     return draw.save(canvas, place, "ablations", "One thing at a time", caption)
 
 
