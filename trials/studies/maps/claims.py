@@ -155,6 +155,7 @@ def _box(cells: Cells) -> list[Outcome]:
     return [
         above("share of successful simulations inside", inside, RELIABLE, MARGIN, bounds=(0.0, 1.0)),
         more("inside less outside", inside - outside, MARGIN),
+        more("inside less the empty world", cells.array("uplift_inside", *cell), MARGIN, decides=False),
     ]
 
 
