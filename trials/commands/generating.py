@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Mapping, Sequence
+from concurrent.futures import Future, ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass, field
+from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
@@ -51,6 +54,7 @@ def generate(asked: Asked) -> str:
     _check_not_the_same(asked, schema, parameters, workspace)
     accepts = _accepts("" if name == NONE else name, asked.settings)
     _make(asked.out)
+    sheet = _Sheet(asked.out / SHEET, f"{schema.name}, seed {asked.seed}, filter {name or NONE}")
     written: list[Environment] = []
     tally = Tally(0, 0)
     digits = max(4, len(str(asked.count)))
@@ -58,16 +62,45 @@ def generate(asked: Asked) -> str:
         for environment, tally in passing(schema, parameters, workspace, accepts, asked.count, asked.seed, asked.vary):
             files.write(environment, asked.out / f"{tally.passed:0{digits}}.json")
             written += [environment] if tally.passed <= contact_sheet.MOST else []
+            if tally.passed == contact_sheet.MOST < asked.count:
+                sheet.begin(written)
     except InputError as error:
         kept = f"; the {tally.passed} in {asked.out} are kept" if tally.passed else ""
         raise InputError(f"{error}{kept}") from None
     finally:
         if written:
-            contact_sheet.write(written, asked.out / SHEET, f"{schema.name}, seed {asked.seed}, filter {name or NONE}")
+            sheet.end(written)
     rate = f"{tally} the filter {name}" if name and name != NONE else "no filter"
     environments = f"{tally.passed} environment{'s' * (tally.passed != 1)}"
     shown = f", of which the sheet shows {len(written)}" if len(written) < tally.passed else ""
     return f"{schema.name}: {rate}\n{environments} in {asked.out}{shown}\n{asked.out / SHEET}"
+
+
+class _Sheet:
+    """The contact sheet, drawn in a process of its own while environments that it does not show are made."""
+
+    def __init__(self, path: Path, title: str) -> None:
+        self.path, self.title = path, title
+        self._pool: ProcessPoolExecutor | None = None
+        self._drawn: Future[None] | None = None
+
+    def begin(self, written: Sequence[Environment]) -> None:
+        """All that it shows is there."""
+        self._pool = ProcessPoolExecutor(1, mp_context=get_context("spawn"))
+        self._drawn = self._pool.submit(contact_sheet.write, list(written), self.path, self.title)
+
+    def end(self, written: Sequence[Environment]) -> None:
+        """Draws it here where that was not begun, or was ended with the command by Ctrl-C."""
+        try:
+            if self._drawn is not None:
+                self._drawn.result()
+                return
+        except (BrokenProcessPool, KeyboardInterrupt):
+            pass
+        finally:
+            if self._pool is not None:
+                self._pool.shutdown()
+        contact_sheet.write(written, self.path, self.title)
 
 
 def _workspace(schema: Schema, path: Path | None) -> Environment:

@@ -8,7 +8,6 @@ from collections.abc import Iterable
 from typing import Any
 
 from flocking.errors import InputError
-from trials.design import MAX_TRIALS
 
 _KEY = re.compile(r"[A-Za-z_][\w-]*(\.[A-Za-z_][\w-]*)*")
 _WORD = re.compile(r"[A-Za-z_.~/][\w./~-]*\+?(\([\w., -]*\))?( *& *[A-Za-z_-]+(\([\w., -]*\))?)*")
@@ -43,6 +42,8 @@ def sweeps(texts: Iterable[str]) -> dict[str, list[Any]]:
 
 def only(text: str) -> tuple[int, ...]:
     """`--only 1-4,9`: the indices of the trials, in order."""
+    from trials.design import MAX_TRIALS  # not with this file: commands without trials start sooner
+
     indices: set[int] = set()
     for part in text.split(","):
         match = _RANGE.fullmatch(part.strip())

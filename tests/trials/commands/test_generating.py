@@ -36,6 +36,12 @@ def test_environments_are_the_same_however_many_there_are(tmp_path):
     assert made(few) != made(many)[3:6]
 
 
+def test_a_sheet_that_is_drawn_beside_is_that_which_is_drawn_afterwards(tmp_path):
+    for count in (100, 101):
+        generate(Asked("weiring", count, 7, tmp_path / str(count)))
+    assert (tmp_path / "100" / SHEET).read_bytes() == (tmp_path / "101" / SHEET).read_bytes()
+
+
 def black(picture):
     """(H, W) of a picture (H, W, 3)."""
     return picture.max(axis=2) < 100
