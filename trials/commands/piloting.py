@@ -31,6 +31,8 @@ def pilot(experiment: str, number: int, times: float, settings: Mapping[str, Any
         raise InputError(f"experiment {experiment!r} has no task; expected one whose herd is guided, as piloting")
     if out is not None and out.exists():
         raise InputError(f"--out {out}: there is such a file; expected a new one")
+    if out is not None and (out.suffix != ".rrd" or not out.absolute().parent.is_dir()):
+        raise InputError(f"--out {out}: expected a name that ends in .rrd, in a folder that exists")
     told = ", ".join(f"{key} {value}" for key, value in trial.conditions.items())
     print(f"trial {number}, {told}: press Enter once the herd has cleared a wall")
     result = own.watched(trial, "some" if out is not None else "none", Watching(times))

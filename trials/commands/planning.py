@@ -225,5 +225,5 @@ def _told(task: Task, found: Plan, simulations: int) -> str:
         lines.append(f"{number:>4}  {wall.anchor:>6}  {wall.angle_deg:>5g} deg  {wall.length_m:>5g} m  {share:.2f}")
     kind = "standing" if found.static else "changing"
     lines.append(f"{task.name}: {len(found.walls)} {kind} walls, {simulations} simulations of a stage")
-    lines.append(f"a trial's: --set 'piloting.walls=\"{plans.words(found.walls)}\"'")
+    lines.append(f"a trial's: --sweep task={task.name} --set 'piloting.walls=\"{plans.words(found.walls)}\"'")
     return "\n".join(lines)
