@@ -42,6 +42,8 @@ def test_enter_clears_a_wall(capsys, monkeypatch) -> None:
         (["detection-case-study", "--trial", "1"], "has no task; expected one whose herd is guided, as piloting"),
         (["hamilton-1971", "--trial", "1"], "has no task; expected one whose herd is guided, as piloting"),
         (["piloting", "--times", "0"], "expected a number above 0"),
+        (["piloting", "--trial", "1", *SHORT, "--out", "missing/a.rrd"], "in a folder that exists"),
+        (["piloting", "--trial", "1", *SHORT, "--out", "a.txt"], "a name that ends in .rrd"),
     ],
 )
 def test_what_cannot_be_watched_is_refused_in_one_line(words: list[str], told: str, capsys, monkeypatch) -> None:
