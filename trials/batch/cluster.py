@@ -229,7 +229,10 @@ def _say(text: str) -> None:
 @contextmanager
 def _quiet() -> Iterator[None]:
     """Keeps Dask's log of a lost connection from the terminal: what matters of it is said in one line."""
-    logs = [logging.getLogger(name) for name in ("distributed", "asyncio", "tornado.application")]
+    with suppress(ImportError):  # its import gives its client a level of its own; who lacks it is told so later
+        import distributed  # noqa: F401
+    names = ("distributed", "distributed.client", "distributed.gc", "asyncio", "tornado.application")
+    logs = [logging.getLogger(name) for name in names]
     before = [log.level for log in logs]
     for log in logs:
         log.setLevel(logging.CRITICAL + 1)

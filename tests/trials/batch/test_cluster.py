@@ -127,7 +127,7 @@ def test_one_worker_killed_and_one_paused(tmp_path: Path) -> None:
     assert files(tmp_path / "cluster") == files(tmp_path / "local")
 
 
-def test_the_scheduler_is_restarted(tmp_path: Path) -> None:
+def test_the_scheduler_is_restarted(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
     """The batch waits for one at the same address, and has its workers run what had not come back."""
     trials = [fake_trials.trial(k, seconds=0.1) for k in range(1, 21)]
     batch(tmp_path / "local", trials)
@@ -144,6 +144,7 @@ def test_the_scheduler_is_restarted(tmp_path: Path) -> None:
         summary = on_cluster(made.address, tmp_path / "cluster", trials, {3: restart})
     assert len(summary.rows) == 20
     assert table(tmp_path / "cluster") == table(tmp_path / "local")
+    assert [record for record in caplog.records if record.name.startswith("distributed")] == []  # one line is enough
 
 
 def test_an_experiment_has_the_series_and_rows_of_a_local_run_also_when_it_is_resumed(
