@@ -172,9 +172,12 @@ def search(
         for plan in finder.chains(first, finder.entering(first, states), begun.walls[kept:]):
             return plan
     best = progress.best
+    whole = best is not None and len(best.walls) == len(task.turns)
+    few = f", which guide less than {how.whole:g} of the members of new herds to the goal" if whole else ""
     raise InputError(
         f"task {task.name}: no plan of {'static' if static else 'changing'} walls in the grid: the longest chain has "
-        f"{len(best.walls) if best else 0} of {len(task.turns)} walls; {progress.simulations} simulations were tried"
+        f"{len(best.walls) if best else 0} of {len(task.turns)} walls{few}; {progress.simulations} simulations were "
+        "tried"
     )
 
 
