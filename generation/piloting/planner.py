@@ -169,7 +169,8 @@ def search(
     finder = _Finder(task, group, step_m, how, static, progress, fresh, robots)
     for kept in range(len(begun.walls), -1, -1):
         first = Plan(task.name, static, begun.walls[:kept], begun.shares[:kept])
-        for plan in finder.chains(first, finder.entering(first, states), begun.walls[kept:]):
+        given_up = begun.walls[kept] if kept < len(begun.walls) else None
+        for plan in finder.chains(first, finder.entering(first, states), given_up):
             return plan
     best = progress.best
     whole = best is not None and len(best.walls) == len(task.turns)
@@ -199,11 +200,11 @@ class _Finder:
             states = self._taken(until.segments(self.task, k), states, self.task.turns[k])[1]
         return states
 
-    def chains(self, plan: Plan, entering: Sequence[State], given_up: Sequence[Wall] = ()) -> Iterator[Plan]:
+    def chains(self, plan: Plan, entering: Sequence[State], given_up: Wall | None = None) -> Iterator[Plan]:
         """Whole plans that begin with this one, the best first.
 
         `entering`: herds as they enter the last stage of a plan whose walls change, whose walls depend on what follows;
-        else the stage that comes next. `given_up`: walls of which the first is not tried at the next turn.
+        else the stage that comes next. `given_up`: not tried at the next turn.
         """
         turn = len(plan.walls)
         if turn == len(self.task.turns):
@@ -211,7 +212,7 @@ class _Finder:
                 yield plan
             return
         for share, longer, states in self._ranked(plan, entering)[: self.how.breadth]:
-            if longer.walls[-1:] == tuple(given_up[:1]):
+            if longer.walls[-1] == given_up:
                 continue
             if self.progress.best is None or len(longer.walls) > len(self.progress.best.walls):
                 self.progress.best = longer

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from typing import Annotated, Any, NamedTuple
 
@@ -11,7 +10,7 @@ from flocking.errors import InputError
 from flocking.kinematic.bands import OBSTACLES
 from flocking.parameters import Parameter, filled
 from generation.group import Group
-from generation.validation.kinematic import KinematicGroup, kinematic
+from generation.validation.kinematic import KinematicGroup, Members, kinematic
 from generation.validation.starts import Starts
 
 PREFIX = "members."
@@ -20,21 +19,23 @@ ROBOTS_OWN = ("pipeline", "selection", "step_units")
 
 
 class Kinematic(NamedTuple):
-    """What kinematic members can be given; the defaults are those of `generation.validation.kinematic`."""
+    """What kinematic members can be given."""
 
     dt_s: Annotated[float, Parameter("s", "one iteration", low=1e-6)] = 1.0
-    selection: Annotated[str, Parameter("", "Fine 2015, table 3.1")] = "all"
-    speed_m_s: Annotated[float, Parameter("m/s", "ours: 2 units an iteration", low=1e-9)] = 2.0
-    max_speed_m_s: Annotated[float, Parameter("m/s", "ours", low=1e-9)] = math.inf
-    max_turn_rate_rad_s: Annotated[float, Parameter("rad/s", "ours", low=0.0)] = 0.5
-    radius_m: Annotated[float, Parameter("m", "0 = points", low=0.0)] = 0.0
-    obstacles: Annotated[str, Parameter("", "Fine 2015, figure 3.3", choices=OBSTACLES)] = "avoid"
-    obstacle_selection: Annotated[str, Parameter("", "Fine 2015, figure 3.3", reads=obstacle_selection.parse)] = "all"
-    look_ahead_m: Annotated[float, Parameter("m", "of the shared avoidance", low=0.0)] = math.nan
-    margin_m: Annotated[float, Parameter("m", "likewise", low=0.0)] = math.nan
-    sight_m: Annotated[float, Parameter("m", "range within which walls are seen", low=0.0)] = math.nan
-    goal_x_m: Annotated[float, Parameter("m", "of all members, for laws that read a goal")] = math.nan
-    goal_y_m: Annotated[float, Parameter("m", "likewise")] = math.nan
+    selection: Annotated[str, Parameter("", "Fine 2015, table 3.1")] = Members.selection
+    speed_m_s: Annotated[float, Parameter("m/s", "ours: 2 units an iteration", low=1e-9)] = Members.speed_m_s
+    max_speed_m_s: Annotated[float, Parameter("m/s", "ours", low=1e-9)] = Members.max_speed_m_s
+    max_turn_rate_rad_s: Annotated[float, Parameter("rad/s", "ours", low=0.0)] = Members.max_turn_rate_rad_s
+    radius_m: Annotated[float, Parameter("m", "0 = points", low=0.0)] = Members.radius_m
+    obstacles: Annotated[str, Parameter("", "Fine 2015, figure 3.3", choices=OBSTACLES)] = Members.obstacles
+    obstacle_selection: Annotated[str, Parameter("", "Fine 2015, figure 3.3", reads=obstacle_selection.parse)] = (
+        Members.obstacle_selection
+    )
+    look_ahead_m: Annotated[float, Parameter("m", "of the shared avoidance", low=0.0)] = Members.look_ahead_m
+    margin_m: Annotated[float, Parameter("m", "likewise", low=0.0)] = Members.margin_m
+    sight_m: Annotated[float, Parameter("m", "range within which walls are seen", low=0.0)] = Members.sight_m
+    goal_x_m: Annotated[float, Parameter("m", "of all members, for laws that read a goal")] = Members.goal_x_m
+    goal_y_m: Annotated[float, Parameter("m", "likewise")] = Members.goal_y_m
 
 
 def group(

@@ -97,6 +97,9 @@ def validate(asked: Asked) -> None:
         given, jobs = asked.of("behaviour"), asked.jobs if asked.body is None else 1
         found: list[Validated] = []
         console.print(f"[dim]{_told(asked, behaviour, len(paths))}[/dim]")
+        beside = _beside(asked.out)
+        if asked.robustness and beside is not None and beside.exists():
+            raise InputError(f"--robustness: there is a file {str(beside)!r}; expected another name for --out")
         with _written(asked.out) as write:
             for one in validated(environments, asked.behaviour, group, plan, given, jobs):
                 found.append(one)
@@ -106,7 +109,7 @@ def validate(asked: Asked) -> None:
             chosen = [(one.number, environments[one.number]) for one in found if one.succeeded.any()]
             others = _others(asked, perturbations)
             robust: list[Robustness] = []
-            with _written(_beside(asked.out), ROBUSTNESS_COLUMNS) as write:
+            with _written(beside, ROBUSTNESS_COLUMNS) as write:
                 for each in robustnesses(
                     chosen, asked.behaviour, group, plan, perturbations.epsilon_m, others, given, jobs
                 ):
