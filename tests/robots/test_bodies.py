@@ -51,7 +51,7 @@ def test_every_folder_with_a_body_is_found() -> None:
     home = Path(str(robots.__file__)).parent
     told = {path.parent.name for path in home.glob("*/__init__.py") if "BODY" in path.read_text(encoding="utf-8")}
     assert {name.replace("-", "_") for name in NAMES} == told
-    assert {"create", "create-small", "create-with-cameras"} <= set(NAMES)
+    assert {"create", "create-small", "create-with-cameras", "pioneer"} <= set(NAMES)
 
 
 def test_names_may_have_hyphens_or_underscores_and_the_nearest_is_offered() -> None:
