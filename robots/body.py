@@ -118,6 +118,11 @@ class Body:
         return self.mounts[sensor]
 
 
+def carrying(sensor: str) -> tuple[str, ...]:
+    """The names of the bodies that carry such a sensor."""
+    return tuple(name for name in names() if sensor in load(name).mounts)
+
+
 @cache
 def names() -> tuple[str, ...]:
     """Of all bodies, with hyphens: the folders of `robots` whose package holds a `BODY`."""

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
+
 from flocking.types import Bools, Floats, Ints, Members, Obstacles
 
 NOBODY = -1
@@ -22,6 +25,21 @@ class Scan(NamedTuple):
     intensities: Floats
     """(B,) relative to a white diffuse surface seen head-on at 1 m; nan = not given. Where nobody reads them, scans
     share one array of nan that cannot be written to."""
+
+
+Picture = NDArray[np.uint8]
+"""(H, W, 3) red, green, blue; row 0 is the top, column 0 the left."""
+
+
+class Images(NamedTuple):
+    """What the cameras of one robot gave at one update."""
+
+    time: float
+    """s, when the left image was taken."""
+    left: Picture
+    """(H, W, 3) RGB of the left camera."""
+    right: Picture
+    """(H, W, 3) RGB of the right camera."""
 
 
 class ScanTruth(NamedTuple):
@@ -59,6 +77,7 @@ class Senses(NamedTuple):
     truth: WorldTruth | None
     owners: Ints | None = None
     """(B,) as in `ScanTruth`: for the pipelines of perfect classification only."""
+    images: Images | None = None
 
 
 class Detection(NamedTuple):

@@ -22,6 +22,7 @@ class Purpose(IntEnum):
     RECORDING = 6
     WORLD = 7
     PARAMETERS = 8
+    IMAGES = 9
 
 
 def stream(seed: int, repeat: int, group: int, member: int, purpose: Purpose) -> np.random.Generator:

@@ -194,6 +194,23 @@ class Scans:
 
 
 @dataclass(frozen=True)
+class Pictures:
+    """What cameras saw, as far as it was kept for a recording; P rows."""
+
+    times: Floats
+    """(P,)."""
+    robots: Ints
+    """(P,)."""
+    left: tuple[bytes, ...]
+    """(P,) JPEG."""
+    right: tuple[bytes, ...]
+    found: NDArray[np.int16]
+    """(P, 2 W) for each column of the left and then of the right image which input it made; −1 = none."""
+    masks: tuple[tuple[bytes, bytes], ...]
+    """(P,) PNG of the left and of the right image: the number of the colour that each pixel was taken for; 0 = none."""
+
+
+@dataclass(frozen=True)
 class Contacts:
     """Where a robot began to touch something; C rows, one a touch (not one a step)."""
 
@@ -247,3 +264,4 @@ class TrialResult:
     """Wall time by part, s: `build_s` and `loop_s`. Not part of the result: it differs from run to run."""
     tables: Mapping[str, NDArray[Any]] = field(default_factory=dict)
     """Arrays of a simulation whose trials are more than one herd's way, by name."""
+    pictures: Pictures | None = None

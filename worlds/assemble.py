@@ -60,11 +60,15 @@ class World:
 
     @cached_property
     def whole(self) -> mujoco.MjModel:
-        """The model with all that can be seen, for lasers, cameras and viewers.
+        """The model with all that can be seen, for lasers and viewers.
 
         Bodies, joints and actuators have the numbers that they have in `model`, so that places in `data.qpos` are the
         same; geoms and sites have not.
         """
+        return self.seen()
+
+    def seen(self) -> mujoco.MjModel:
+        """The same, made anew, for cameras, which change it."""
         return specification(
             self.walls, self.bodies, self.names, self._poses_w, self.model.opt.timestep, self.standing.segments
         ).compile()

@@ -12,6 +12,7 @@ import numpy as np
 from flocking.errors import InputError
 from flocking.parameters import filled
 from flocking.types import Floats
+from robots import body as bodies
 from sensing.laser import hokuyo
 from trials.simulations import judged, spread
 from trials.simulations.robots import guided, information
@@ -103,8 +104,14 @@ def _check_start(start: _Start) -> None:
 
 
 def _check_sensors(its: Resolved, groups: Sequence[Resolved]) -> None:
-    """A group whose detection reads a laser must have one, in the plane of all others: all scan one plane."""
-    if its.pipeline_reads <= {"truth"}:
+    """A group whose detection reads a laser must have one, in the plane of all others: all scan one plane. One whose
+    detection reads images must have cameras."""
+    if its.reads_images and "cameras" not in its.body.mounts:
+        raise InputError(
+            f"body {its.body.name!r} of {its.group.name} carries no cameras, and {its.group.pipeline!r} reads them; "
+            f"expected a body with cameras: {', '.join(bodies.carrying('cameras'))}"
+        )
+    if not its.reads_laser:
         return
     for other in groups:
         if "laser" not in other.body.mounts:

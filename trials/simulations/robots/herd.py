@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from typing import NamedTuple
@@ -16,6 +17,9 @@ from flocking.errors import InputError
 from flocking.types import Bools, Floats
 from robots import body as bodies
 from sensing import association
+from sensing.camera import setting
+from sensing.camera.lens import Lens, column_angles
+from sensing.camera.rendering import Cameras
 from sensing.laser import hokuyo
 from sensing.types import PipelineState, WorldTruth
 from trials.simulations import spread
@@ -24,7 +28,7 @@ from trials.simulations.robots.checks import check, check_start, clock
 from trials.simulations.robots.fields import of_trial
 from trials.simulations.robots.knowledge import Knowledge
 from trials.simulations.robots.obstacle_stage import ObstacleStage
-from trials.simulations.robots.resolved import Resolved
+from trials.simulations.robots.resolved import LASER, Resolved
 from trials.simulations.robots.robot import Robot
 from trials.simulations.robots.scenario import Guided
 from trials.simulations.robots.starts import starting_poses
@@ -84,7 +88,7 @@ def assemble(trial: Trial, record: bool) -> Herd:
     reads = [frozenset(minds[g].its.pipeline.READS) for g, _ in numbers]
     lasers = None
     carried = all("laser" in body.mounts for body in world.bodies)
-    if (record and carried) or any("truth" not in r for r in reads):
+    if (record and carried) or any(r & LASER for r in reads):
         lasers = hokuyo.Lasers(
             world.whole,
             [f"{prefix(name)}{body.mount('laser').site}" for name, body in zip(names, world.bodies, strict=True)],
@@ -94,8 +98,9 @@ def assemble(trial: Trial, record: bool) -> Herd:
         )
         if lasers.needs_history:
             world.observers.append(lasers.remember)
+    cameras = _cameras(world, [minds[g].its for g, _ in numbers])
     robots = [
-        _robot(trial, world, lasers, minds[g], g, k, index, reads[index], poses_w[index])
+        _robot(trial, world, lasers, cameras, minds[g], g, k, index, reads[index], poses_w[index])
         for index, (g, k) in enumerate(numbers)
     ]
 
@@ -132,6 +137,7 @@ def _robot(
     trial: Trial,
     world: World,
     lasers: hokuyo.Lasers | None,
+    cameras: Cameras | None,
     mind: Mind,
     group_number: int,
     member: int,
@@ -172,6 +178,8 @@ def _robot(
         body=world.bodies[index],
         fleet=world.fleet,
         lasers=lasers,
+        cameras=cameras if its.reads_images else None,
+        judged=its.cameras.judged,
         knowledge=Knowledge(
             world.fleet,
             index,
@@ -189,7 +197,27 @@ def _robot(
     )
 
 
+def _cameras(world: World, robots: Sequence[Resolved]) -> Cameras | None:
+    """The cameras of all robots whose detection reads images; None where nobody's does: nothing needs OpenGL then."""
+    if not any(its.reads_images for its in robots):
+        return None
+    lenses = [setting.lens_of(its.cameras) if its.reads_images else None for its in robots]
+    colours = None
+    if any(its.reads_images and its.cameras.colours == setting.ONE_EACH for its in robots):
+        colours = setting.cone_colours(len(robots))
+    return Cameras(world.seen(), [prefix(name) for name in world.names], lenses, colours=colours)
+
+
+@cache
+def _both_angles(lens: Lens) -> Floats:
+    """(2, W) the bearing of each column of the left and of the right image, in the camera's frame."""
+    return np.stack([column_angles(lens)] * 2)
+
+
 def _pipeline_state(its: Resolved) -> PipelineState:
+    if its.reads_images:
+        height_m, angles = its.body.mount("cameras").height_m, _both_angles(setting.lens_of(its.cameras))
+        return its.pipeline.start(its.pipeline_parameters, member_model(its.given.body), height_m, angles)
     laser = its.body.mounts.get("laser")
     height_m = laser.height_m if laser is not None else math.nan  # of a detection that reads no laser
     return its.pipeline.start(its.pipeline_parameters, member_model(its.given.body), height_m, hokuyo.ANGLES)

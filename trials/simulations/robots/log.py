@@ -10,6 +10,7 @@ import numpy as np
 
 from flocking.types import Bools, Floats, Motion
 from sensing.types import Detection, Scan
+from trials.simulations.robots.pictures import Kept
 from trials.spool import Column, Rows
 from trials.types import Contacts, Scans, Trial, TrialResult, Updates
 
@@ -44,6 +45,7 @@ class Log:
     selected: list[Bools] = field(default_factory=list)
     states: list[Any] = field(default_factory=list)
     scans: list[tuple[float, ...]] = field(default_factory=list)
+    pictures: Kept = field(default_factory=Kept)
     _columns: dict[str, Column] = field(default_factory=dict)
     _angles: Floats | None = None
     _ranges: Rows | None = None
@@ -148,6 +150,7 @@ class Log:
             outcome=outcome,
             reason=reason,
             timing=timing,
+            pictures=self.pictures.whole(),
         )
 
     def _pack_samples(self) -> None:

@@ -148,6 +148,8 @@ def run(herd: Herd, log: Log, last: int) -> None:
         log.update(data.time, k, poses_w[k], detection, selected, judgement, motion, command)
         if keep and senses.scan is not None:
             log.scan(data.time, k, poses_w[k], senses.scan)
+        if keep and senses.images is not None:
+            log.pictures.keep(k, senses.images, detection, robot.taken_for(senses.images))
 
 
 def _check(herd: Herd, poses_w: Floats) -> None:

@@ -14,6 +14,8 @@ Entities (times on the timeline `time`, s; lengths in metres, world frame):
     world/contacts, events      where a robot began to touch something; the same in words
     rules/ROBOT, bumpers/ROBOT  states, a row for each change
     measures/NAME, rule_shares/RULE, nearest_inputs/ROBOT, task_shares/NAME  series for the plots
+    cameras/ROBOT/SIDE          its images, the columns that made inputs, the pixels taken for a cone (SIDE_taken_for)
+    eyes/ROBOT/NAME             bearing and distance of the nearest input beside the true ones, time to impact
     herd                        a transform that follows the centre of the herd
     about, legend               the trial in words, and what is drawn
 
@@ -32,7 +34,7 @@ from flocking.measures import formation
 from flocking.types import Bools, Floats
 from trials.simulations.columns import member_colours, name_tag, packed, series, times_column
 from trials.simulations.recording_file import opened
-from trials.simulations.robots import recorded_senses, recorded_tasks, screen
+from trials.simulations.robots import recorded_cameras, recorded_senses, recorded_tasks, screen
 from trials.simulations.robots.fields import of_trial
 from trials.simulations.robots.measures import GROUP_CUT_M
 from trials.types import TrialResult
@@ -65,6 +67,7 @@ def write(result: TrialResult, path: Path) -> None:
         _robots(recording, result)
         recorded_senses.send_updates(recording, result)
         recorded_senses.send_scans(recording, result)
+        recorded_cameras.send_pictures(recording, result)
         _contacts(recording, result)
         _plots(recording, result)
 

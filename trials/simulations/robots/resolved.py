@@ -13,6 +13,7 @@ from flocking.parameters import declared, filled
 from robots import body as bodies
 from robots.body import Body
 from sensing import association
+from sensing.camera import setting
 from sensing.laser import hokuyo
 from sensing.pipelines import INFERRED, OF_ITSELF, given_by
 from trials.rows import below
@@ -20,6 +21,7 @@ from trials.simulations.robots.fields import (
     AS_LAW,
     ASSOCIATION,
     AVOIDANCE,
+    CAMERAS,
     PIPELINES,
     SENSORS,
     TWO_SCANS,
@@ -27,6 +29,9 @@ from trials.simulations.robots.fields import (
     of_group,
 )
 from trials.types import Group
+
+LASER = frozenset({"scan", "intensity", "owners"})
+"""What of a robot's senses comes from a laser."""
 
 
 class Wanted(NamedTuple):
@@ -116,6 +121,22 @@ class Resolved:
         return hokuyo.SETTINGS[self.given.sensors]._replace(**{name: getattr(changed, name) for name in own})
 
     @cached_property
+    def cameras(self) -> setting.Parameters:
+        """The cameras' parameters."""
+        cameras: setting.Parameters = self._below(CAMERAS, setting.Parameters)
+        return cameras
+
+    @property
+    def reads_images(self) -> bool:
+        """Whether the member detection reads what cameras see."""
+        return "images" in self.pipeline_reads
+
+    @property
+    def reads_laser(self) -> bool:
+        """Whether the member detection reads a laser."""
+        return bool(self.pipeline_reads & LASER)
+
+    @cached_property
     def association(self) -> association.Parameters:
         """The parameters of association."""
         return self._below(ASSOCIATION, association.Parameters)
@@ -155,6 +176,7 @@ class Resolved:
             "pipeline_parameters",
             "body",
             "laser",
+            "cameras",
             "association",
             "avoidance",
         )

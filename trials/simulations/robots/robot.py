@@ -15,9 +15,10 @@ from flocking.lawentry import MOTIONS_WITHOUT_NUMBERS, OWN_SIZE, Law
 from flocking.types import Bools, Floats, Kind, Members, Motion, Own
 from robots.body import Body, Fleet
 from sensing.association import Association
+from sensing.camera.rendering import Cameras
 from sensing.laser.draws import intensity_draws, range_draws
 from sensing.laser.hokuyo import PERIOD_S, Lasers
-from sensing.types import Detection, PipelineState, Scan, ScanTruth, Senses, WorldTruth
+from sensing.types import Detection, Images, PipelineState, Scan, ScanTruth, Senses, WorldTruth
 from trials.simulations.robots.knowledge import COMPASS, GOAL, Knowledge
 from trials.simulations.robots.obstacle_stage import AVOIDING, ObstacleStage
 
@@ -61,6 +62,10 @@ class Robot:
     body: Body
     fleet: Fleet
     lasers: Lasers | None
+    cameras: Cameras | None
+    """Where its pipeline reads images."""
+    judged: bool
+    """Whether what the images show is rendered for the log."""
     knowledge: Knowledge
     association: Association | None
     """Infers what the law needs and detections lack; None where they lack nothing."""
@@ -110,6 +115,8 @@ class Robot:
         self.own = Own(
             self._velocity, float(row[2]), float(row[COMPASS]), self._goal, contacts, self.dt, self.index, self.role
         )
+        if self.cameras is not None:
+            return self._look(data, time, truth)
         if self.lasers is None or not (record or self._reads_scan):
             return Senses(None, truth), None
         if time - self._scanned < PERIOD_S - 1e-9 and self._last_scan is not None:
@@ -122,12 +129,24 @@ class Robot:
         self._scanned = time
         return Senses(scan, truth, scan_truth.owners if self._reads_owners else None), scan_truth
 
+    def _look(self, data: Any, time: float, truth: WorldTruth | None) -> tuple[Senses, ScanTruth | None]:
+        """Stage 1 by cameras; what the images show goes past the robot."""
+        assert self.cameras is not None
+        images = self.cameras.look(data, self.index, time)
+        self._scanned = images.time
+        return Senses(None, truth, images=images), self.cameras.truth(data, self.index) if self.judged else None
+
+    def taken_for(self, images: Images) -> tuple[Any, Any] | None:
+        """The number of the colour that each pixel is taken for, (H, W) each; None where its pipeline does not say."""
+        explain = getattr(self.pipeline, "taken_for", None)
+        return explain(images, self.pipeline_state) if explain else None
+
     def detect(self, senses: Senses) -> Detection:
         """Stage 2, member detection and obstacle detection, with what association infers from the detection before."""
         detection, self.pipeline_state = self.pipeline.detect(senses, self.own, self.pipeline_state)
         if self.association is None:
             return detection
-        time = self._scanned if self._reads_scan else self._sensed
+        time = self._scanned if self._reads_scan or self.cameras is not None else self._sensed
         return self.association.infer(detection, time, self.knowledge.pose_w)
 
     def heed(self, detection: Detection) -> Detection:

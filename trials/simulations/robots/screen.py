@@ -7,7 +7,7 @@ import rerun.blueprint as rrb
 
 from flocking.types import Floats
 from trials.simulations import views
-from trials.simulations.robots import guided, recorded_tasks
+from trials.simulations.robots import guided, recorded_cameras, recorded_tasks
 from trials.simulations.robots.fields import of_group, of_trial
 from trials.types import TrialResult
 
@@ -34,7 +34,8 @@ LEGEND = """
 
 def legend(result: TrialResult) -> str:
     """What is drawn, in Markdown, with what a task brings."""
-    return LEGEND + (recorded_tasks.LEGEND.lstrip("\n") if guided.has_task(result.trial) else "")
+    cameras = recorded_cameras.LEGEND.lstrip("\n") if result.pictures is not None else ""
+    return LEGEND + cameras + (recorded_tasks.LEGEND.lstrip("\n") if guided.has_task(result.trial) else "")
 
 
 def rule_names(result: TrialResult) -> list[str]:
@@ -92,7 +93,9 @@ def blueprint(result: TrialResult) -> rrb.Blueprint:
     ]
     return views.layout(
         rrb.Horizontal(
-            rrb.Vertical(close, whole, below, row_shares=[5, 1.3, 2.9]),
+            rrb.Vertical(
+                rrb.Horizontal(close, *recorded_cameras.views_of(result)), whole, below, row_shares=[5, 1.3, 2.9]
+            ),
             rrb.Vertical(*plots, row_shares=[*([1] * (len(plots) - 1)), 1.7]),
             column_shares=[2, 1],
         )

@@ -1,0 +1,1 @@
+"""What cameras see: lenses, segmentation by colour, the orange cone and what it tells."""

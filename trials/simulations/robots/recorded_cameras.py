@@ -1,0 +1,148 @@
+"""What cameras saw in a recording: the images with what was made of them, and estimates beside the truth."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import cv2
+import numpy as np
+import rerun as rr
+import rerun.blueprint as rrb
+from numpy.typing import NDArray
+
+from flocking.angles import wrapped
+from flocking.types import Floats, Ints
+from trials.simulations import views
+from trials.simulations.columns import packed, series, times_column
+from trials.simulations.robots.measures import nearest_inputs
+from trials.simulations.robots.seen import cones_w
+from trials.types import Pictures, TrialResult
+
+SIDES = ("left", "right")
+FOUND_COLOUR, ESTIMATE_COLOUR, TRUTH_COLOUR = 0x2FBF8FFF, 0xFFB000FF, 0xB8C4CEFF
+LONGEST_S = 60.0
+"""A time to impact beyond this is not drawn, as that of a cone that goes away is not."""
+LEGEND = """
+- **images**: what the robot's cameras saw; **green**: the columns that made an input; *taken for*: the pixels that were
+  taken for a cone's colour
+- **estimates**: of the nearest input, beside where the cone of the robot that it belongs to truly was
+"""
+
+
+def send_pictures(recording: rr.RecordingStream, result: TrialResult) -> None:
+    """Sends images, masks and runs, and for each robot with eyes its estimates beside the truth."""
+    pictures = result.pictures
+    if pictures is None:
+        return
+    for k, name in enumerate(result.robot_names):
+        mine = np.flatnonzero(pictures.robots == k)
+        if len(mine) == 0:
+            continue
+        for side, images in enumerate((pictures.left, pictures.right)):
+            _send(recording, f"cameras/{name}/{SIDES[side]}", pictures, mine, side, [images[row] for row in mine])
+        _estimates(recording, result, k, name)
+
+
+def _send(
+    recording: rr.RecordingStream, entity: str, pictures: Pictures, mine: Ints, side: int, images: list[bytes]
+) -> None:
+    times = [times_column(pictures.times[mine])]
+    blobs, kinds = [np.frombuffer(each, np.uint8) for each in images], ["image/jpeg"] * len(images)
+    recording.send_columns(f"{entity}/image", times, rr.EncodedImage.columns(blob=blobs, media_type=kinds))
+    masks = [_drawn(pictures.masks[row][side]) for row in mine]
+    kinds = ["image/png"] * len(masks)
+    recording.send_columns(f"{entity}_taken_for", times, rr.EncodedImage.columns(blob=masks, media_type=kinds))
+    found = pictures.found[mine]
+    width = found.shape[1] // 2
+    middle = _grey(images[0]).shape[0] / 2.0
+    runs = [_runs(row[side * width : (side + 1) * width]) for row in found]
+    strips = [[[start, middle], [end, middle]] for of_image in runs for start, end in of_image]
+    columns = rr.LineStrips2D.columns(strips=np.array(strips, np.float32).reshape(-1, 2, 2))
+    style = rr.LineStrips2D.from_fields(colors=packed([FOUND_COLOUR]), radii=[2.0], draw_order=10.0)
+    recording.log(f"{entity}/found", style, static=True)
+    recording.send_columns(f"{entity}/found", times, columns.partition(np.array([len(each) for each in runs])))
+
+
+def _drawn(mask: bytes) -> NDArray[np.uint8]:
+    """(bytes,) a PNG in which the numbers of colours are shades that can be told apart."""
+    labels = _grey(mask)
+    shades = labels * max(1, 255 // max(1, int(labels.max())))
+    return np.asarray(cv2.imencode(".png", shades)[1], np.uint8).ravel()
+
+
+def _grey(coded: bytes) -> NDArray[np.uint8]:
+    """(H, W) an image without its colours."""
+    image = cv2.imdecode(np.frombuffer(coded, np.uint8), cv2.IMREAD_GRAYSCALE)
+    assert image is not None
+    return np.asarray(image, np.uint8)
+
+
+def _runs(found: Ints) -> list[tuple[int, int]]:
+    """Where the columns (W,) that made one input begin and where they end."""
+    edges = np.flatnonzero(np.diff(np.r_[-1, found, -1]) != 0)
+    return [(int(a), int(b)) for a, b in pairwise(edges) if found[a] >= 0]
+
+
+def _estimates(recording: rr.RecordingStream, result: TrialResult, k: int, name: str) -> None:
+    updates = result.updates
+    mine = np.flatnonzero(updates.robots == k)
+    nearest = nearest_inputs(updates)[mine]
+    times, found = updates.times[mine], np.hypot(nearest[:, 0], nearest[:, 1])
+    bearings = np.degrees(np.arctan2(nearest[:, 1], nearest[:, 0]))
+    true = cones_w(result, times) - updates.poses_w[mine][:, None, :2]
+    heading = updates.poses_w[mine, 2]
+    aside = wrapped(np.arctan2(true[..., 1], true[..., 0]) - heading[:, None])
+    away = np.hypot(true[..., 0], true[..., 1])
+    x, y = away * np.cos(aside), away * np.sin(aside)
+    to = np.hypot(x - nearest[:, :1], y - nearest[:, 1:])
+    to[:, k] = np.inf
+    which, row = np.where(np.isfinite(to), to, np.inf).argmin(axis=1), np.arange(len(mine))
+    seen = np.isfinite(found)
+    for what, estimate, truth in (
+        ("bearing_deg", bearings, np.degrees(aside[row, which])),
+        ("distance_m", found, away[row, which]),
+    ):
+        for told, values, colour in (("estimate", estimate, ESTIMATE_COLOUR), ("truth", truth, TRUTH_COLOUR)):
+            series(recording, f"eyes/{name}/{what}/{told}", told, colour, times[seen], values[seen])
+    some, impact = _impact(times, found)
+    series(recording, f"eyes/{name}/impact_s", "time to impact (s)", ESTIMATE_COLOUR, some, impact)
+
+
+def _impact(times: Floats, found: Floats) -> tuple[Floats, Floats]:
+    """When, and in how long at the rate of the last two estimates the nearest cone would be reached: equation 3.7."""
+    if len(times) < 2:
+        return np.empty(0), np.empty(0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        impact = -found[1:] * np.diff(times) / np.diff(found)
+    some = (impact > 0.0) & (impact < LONGEST_S)
+    return times[1:][some], impact[some]
+
+
+def views_of(result: TrialResult) -> list[rrb.Tabs]:
+    """The views of what cameras saw: a tab for each robot with eyes."""
+    pictures = result.pictures
+    if pictures is None:
+        return []
+    tabs = []
+    for k in np.unique(pictures.robots):
+        name = result.robot_names[k]
+        images = [
+            rrb.Spatial2DView(origin=f"/cameras/{name}/{entity}", name=words)
+            for side in SIDES
+            for entity, words in ((side, side), (f"{side}_taken_for", f"{side}, taken for"))
+        ]
+        estimates = [
+            views.plot("Bearing (degrees)", [f"/eyes/{name}/bearing_deg/**"]),
+            views.plot("Distance (m)", [f"/eyes/{name}/distance_m/**"]),
+            views.plot("Time to impact (s)", [f"/eyes/{name}/impact_s"]),
+        ]
+        tabs.append(
+            rrb.Vertical(
+                rrb.Horizontal(images[0], images[2]),
+                rrb.Horizontal(images[1], images[3]),
+                rrb.Horizontal(*estimates),
+                name=name,
+                row_shares=[3, 3, 2],
+            )
+        )
+    return [rrb.Tabs(*tabs, name="Cameras")]
