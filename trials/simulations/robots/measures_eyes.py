@@ -1,0 +1,87 @@
+"""What is measured of a trial in which a body carries cameras: estimates beside the truth, and who ends where."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from scipy.spatial.distance import cdist
+
+from flocking.angles import wrapped
+from flocking.measures import formation
+from flocking.types import Floats
+from robots import body as bodies
+from trials.simulations.robots.fields import of_group
+from trials.simulations.robots.seen import cones_w
+from trials.types import Measure, Trial, TrialResult
+
+FLOCK_CUT_M = 4 * 0.3048
+"""Robots farther apart belong to different flocks: Kirchner 2006, section 3.3, 48 pixels of its simulation and the 104
+of the collapsed safety bubble, 38.1 to a foot."""
+
+ABOUT: dict[str, Measure] = {
+    "bearing_error": Measure("rad", "of an input: how far its bearing is from that of the cone that it is of, mean"),
+    "distance_error": Measure("", "of an input: error of its distance, relative to the true one, mean of the amounts"),
+    "distance_bias": Measure("", "the same with its sign: above 0, estimates are too long"),
+    "flocks": Measure("", "number of flocks at the end (single linkage, 4 feet)"),
+    "one_flock_share": Measure("", "share of the second half in which all robots are one flock"),
+    "final_distance": Measure("m", "from the first robot to the others at the end, mean"),
+    "final_distance_least": Measure("m", "the same, the least"),
+    "final_distance_most": Measure("m", "the same, the greatest"),
+    "closest": Measure("m", "the least distance between two robots' centres in the trial"),
+}
+
+
+def has_eyes(trial: Trial) -> bool:
+    """Whether any body of a trial carries cameras."""
+    return any("cameras" in bodies.load(of_group(group).body).mounts for group in trial.groups)
+
+
+def eyes(result: TrialResult) -> dict[str, float]:
+    """The measures of `ABOUT`."""
+    found = dict.fromkeys(ABOUT, math.nan) | _estimates(result)
+    poses = result.poses_w
+    if len(poses) == 0 or not np.isfinite(poses).all():
+        return found
+    positions = poses[..., :2]
+    late = result.times >= result.times[-1] / 2.0
+    flocks = formation.number_of_groups(positions[late], FLOCK_CUT_M)
+    found |= {"flocks": float(flocks[-1]), "one_flock_share": float(np.mean(flocks == 1))}
+    if positions.shape[1] > 1:
+        away = np.hypot(*(positions[-1, 1:] - positions[-1, 0]).T)
+        found |= {
+            "final_distance": float(away.mean()),
+            "final_distance_least": float(away.min()),
+            "final_distance_most": float(away.max()),
+            "closest": min(_closest(each) for each in positions),
+        }
+    return found
+
+
+def _closest(places: Floats) -> float:
+    apart = cdist(places, places)
+    np.fill_diagonal(apart, np.inf)
+    return float(apart.min())
+
+
+def _estimates(result: TrialResult) -> dict[str, float]:
+    updates = result.updates
+    counts = np.diff(updates.input_starts)
+    owned = updates.input_owners >= 0
+    if not owned.any():
+        return {}
+    of_update = np.repeat(np.arange(len(counts)), counts)[owned]
+    owners, inputs = updates.input_owners[owned].astype(np.int64), updates.input_positions[owned].astype(np.float64)
+    poses = updates.poses_w[of_update]
+    true = cones_w(result, updates.times)[of_update, owners] - poses[:, :2]
+    bearings = np.arctan2(true[:, 1], true[:, 0]) - poses[:, 2]
+    errors = wrapped(np.arctan2(inputs[:, 1], inputs[:, 0]) - bearings)
+    relative = np.hypot(inputs[:, 0], inputs[:, 1]) / np.maximum(np.hypot(true[:, 0], true[:, 1]), 1e-9) - 1.0
+    sound = np.isfinite(errors) & np.isfinite(relative)
+    if not sound.any():
+        return {}
+    return {
+        "bearing_error": float(np.abs(errors[sound]).mean()),
+        "distance_error": float(np.abs(relative[sound]).mean()),
+        "distance_bias": float(relative[sound].mean()),
+    }

@@ -1,0 +1,1 @@
+"""Kirchner 2006: flocking by two cameras."""
