@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flocking.types import Bools, Floats, Ints, Members, Obstacles
+from sensing.camera.images import Images
 
 NOBODY = -1
 """Owner of a beam or an input that belongs to no member."""
