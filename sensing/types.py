@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flocking.types import Bools, Floats, Ints, Members, Obstacles
-from sensing.camera.images import Images
 
 NOBODY = -1
 """Owner of a beam or an input that belongs to no member."""
@@ -33,7 +32,7 @@ Picture = NDArray[np.uint8]
 
 
 class Images(NamedTuple):
-    """What the cameras of one robot gave at one update."""
+    """What the two cameras of one robot gave at one update."""
 
     time: float
     """s, when the left image was taken."""
@@ -88,7 +87,8 @@ class Detection(NamedTuple):
     """The set D: each row is one input to the law."""
     obstacles: Obstacles
     beams: Ints
-    """(B,) which row of `members` each beam made, −1 = none; (0,) where the pipeline reads no scan."""
+    """(B,) which row of `members` each beam made, −1 = none; (0,) where the pipeline reads no scan. Of images, (2W,)
+    which row each column made: those of the left image, from the left to the right, then those of the right one."""
 
 
 PipelineState = Any

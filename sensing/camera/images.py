@@ -1,22 +1,7 @@
-"""The two images of a robot, taken together."""
+"""The two images of a robot, taken together: the types, which stand beside the laser's."""
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from sensing.types import Images, Picture
 
-import numpy as np
-from numpy.typing import NDArray
-
-Picture = NDArray[np.uint8]
-"""(H, W, 3) red, green, blue; row 0 is the top, column 0 the left."""
-
-
-class Images(NamedTuple):
-    """What the cameras of one robot gave at one update."""
-
-    time: float
-    """s, when the left image was taken."""
-    left: Picture
-    """(H, W, 3) RGB of the left camera."""
-    right: Picture
-    """(H, W, 3) RGB of the right camera."""
+__all__ = ["Images", "Picture"]
