@@ -12,12 +12,17 @@ from flocking import found
 from flocking.parameters import declared
 from flocking.types import Own
 from robots import body
+from sensing.camera.images import Images
+from sensing.camera.lens import Lens, column_angles
 from sensing.types import NOBODY, Scan, Senses, WorldTruth
+from tests.sensing.camera.scenes import model_with_cameras
 
 CREATE = body.load("create")
 
 ANGLES = 2.0 * math.pi / 1024 * (np.arange(682) - 340)
 MODEL = CREATE.spec().compile()
+LENS = Lens(width_px=128, height_px=40)
+SEEING = model_with_cameras()
 OWN = Own(np.zeros(2), 0.0, math.nan, np.full(2, np.nan), np.zeros(2, np.bool_), 0.1, 0, 0)
 NAMES = found.modules("sensing.pipelines")
 
@@ -37,27 +42,50 @@ def senses_of(rng: np.random.Generator, robots: int = 6) -> Senses:
     walls = rng.uniform(-3, 3, (4, 4))
     truth = WorldTruth(poses, rng.normal(size=(robots, 2)), np.full(robots, 0.165), int(rng.integers(robots)), walls)
     owners = np.where(np.isfinite(ranges), rng.integers(-1, robots, 682), NOBODY)
-    return Senses(Scan(0.0, ANGLES, ranges, intensities), truth, owners)
+    images = Images(float(rng.random()), picture_of(rng), picture_of(rng))
+    return Senses(Scan(0.0, ANGLES, ranges, intensities), truth, owners, images)
+
+
+def picture_of(rng: np.random.Generator) -> np.ndarray:
+    """Orange boxes and triangles of all sizes, some across the border, on grey with orange specks."""
+    picture = rng.integers(100, 140, (LENS.height_px, LENS.width_px, 1), dtype=np.uint8).repeat(3, axis=2)
+    for _ in range(rng.integers(0, 5)):
+        left, top, width = rng.integers(-10, LENS.width_px), rng.integers(0, 30), rng.integers(1, 40)
+        shrinks = rng.integers(0, 2)
+        for up in range(rng.integers(1, 20)):
+            a, b = max(left + up * shrinks, 0), max(left + width - up * shrinks, 0)
+            picture[max(top - up, 0), a:b] = (230, 58, 5)
+    picture[rng.random(picture.shape[:2]) < 0.002] = (255, 64, 0)
+    return picture
 
 
 def nothing() -> Senses:
     walls, alone = np.empty((0, 4)), np.zeros((1, 3))
     truth = WorldTruth(alone, np.zeros((1, 2)), np.array([0.165]), 0, walls)
+    grey = np.full((LENS.height_px, LENS.width_px, 3), 120, np.uint8)
     return Senses(
-        Scan(0.0, ANGLES, np.full(682, math.inf), np.full(682, math.nan)), truth, np.full(682, NOBODY, dtype=np.int64)
+        Scan(0.0, ANGLES, np.full(682, math.inf), np.full(682, math.nan)),
+        truth,
+        np.full(682, NOBODY, dtype=np.int64),
+        Images(0.0, grey, grey.copy()),
     )
 
 
 def only_what_it_reads(senses: Senses, reads: frozenset[str]) -> Senses:
-    scan, truth, owners = senses
+    scan, truth, owners, images = senses
     if scan is not None and "intensity" not in reads:
         scan = scan._replace(intensities=np.full(682, np.nan))
     return Senses(
-        scan if "scan" in reads else None, truth if "truth" in reads else None, owners if "owners" in reads else None
+        scan if "scan" in reads else None,
+        truth if "truth" in reads else None,
+        owners if "owners" in reads else None,
+        images if "images" in reads else None,
     )
 
 
 def begin(pipeline):
+    if "images" in pipeline.READS:
+        return pipeline.start(pipeline.Parameters(), SEEING, 0.3, np.tile(column_angles(LENS), (2, 1)))
     return pipeline.start(pipeline.Parameters(), MODEL, CREATE.mount("laser").height_m, ANGLES)
 
 
@@ -71,7 +99,7 @@ def test_the_published_three_and_the_perfect_one_are_found():
 
 def test_it_declares_what_it_reads_and_its_parameters(pipeline):
     assert pipeline.__doc__
-    assert frozenset() < pipeline.READS <= {"scan", "intensity", "truth", "owners"}
+    assert frozenset() < pipeline.READS <= {"scan", "intensity", "truth", "owners", "images"}
     assert "scan" in pipeline.READS or "intensity" not in pipeline.READS
     for parameter in declared(pipeline.Parameters).values():
         assert parameter.about.source
@@ -100,6 +128,10 @@ def test_outputs_are_finite_consistent_and_owned_by_beams(pipeline):
             assert beams.shape == (682,)
             assert set(beams.tolist()) - {NOBODY} == set(range(count))
             assert np.all(np.isfinite(senses.scan.ranges[beams >= 0]))
+        elif "images" in pipeline.READS:
+            assert beams.shape == (2 * LENS.width_px,)
+            assert set(beams.tolist()) - {NOBODY} == set(range(count))
+            assert np.all(members.ids == -1)
         else:
             assert beams.shape == (0,)
             assert np.all(members.ids >= 0)
