@@ -10,7 +10,7 @@ Whose cone a pixel shows is read from a second rendering, in which each solid ha
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import cv2
 import mujoco
@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from flocking.compilation import compiled
 from flocking.types import Ints
 from sensing.camera import opengl
-from sensing.camera.lens import Lens, remap_tables
+from sensing.camera.lens import Lens, RemapTables, remap_labels, remap_tables
 from sensing.types import NOBODY, Images, ScanTruth
 
 LEFT, RIGHT = "camera_left", "camera_right"
@@ -80,13 +80,13 @@ class Cameras:
                     model.geom_rgba[cone, :3] = colours[k]
             pair = [mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_CAMERA, f"{prefix}{each}") for each in (LEFT, RIGHT)]
             self._cameras.append((pair[0], pair[1]))
-        tables = {lens: remap_tables(lens) for lens in lenses if lens is not None}
+        tables = {lens: _upwards(remap_tables(lens)) for lens in lenses if lens is not None}
         for lens, cameras in zip(lenses, self._cameras, strict=True):
             if lens is not None:
                 model.cam_fovy[list(cameras)] = np.degrees(tables[lens].fovy_rad)
         self._tables = tables
         _illuminate(model, light)
-        self._eye = _Eye(model, [(table.width_px, table.height_px) for table in tables.values()])
+        self._eye = _Eye(model, [(table.rendered_width, table.rendered_height) for table in tables.values()])
 
     def look(self, data: mujoco.MjData, k: int, time: float, lag_s: float = 0.0) -> Images:
         """The images of robot k at `data`'s places; the right one `lag_s` later, as the robots move then."""
@@ -102,8 +102,8 @@ class Cameras:
         """Whose cones the pixels of `look` show, both at `data`'s places."""
         lens = self._lens(k)
         self._place(data)
-        left, right = (self._remapped(self._owners(k, side), lens) for side in range(2))
-        return Shown(left, right)
+        left, right = (remap_labels(self._owners(k, side)[::-1], self._tables[lens]) for side in range(2))
+        return Shown(np.ascontiguousarray(left), np.ascontiguousarray(right))
 
     def truth(self, data: mujoco.MjData, k: int) -> ScanTruth:
         """Whose cone each column of the left and then of the right image shows: that of most of its pixels."""
@@ -113,7 +113,7 @@ class Cameras:
         for side in range(2):
             pixels = self._pixels(k, side, lens, ids=True)
             owners = _of_columns(pixels, self._owner_of_code(), len(self.lenses))
-            columns.append(owners if table.map1 is None else owners[table.source_columns])
+            columns.append(owners[table.columns])
         of_both = np.concatenate(columns)
         seen = of_both[of_both >= 0]
         return ScanTruth(of_both, np.empty(0), np.bincount(seen, minlength=len(self.lenses)).astype(np.int64))
@@ -137,18 +137,18 @@ class Cameras:
 
     def _pixels(self, k: int, side: int, lens: Lens, ids: bool) -> Image:
         table = self._tables[lens]
-        pixels = self._eye.render(self._data, self._cameras[k][side], table.width_px, table.height_px, ids)
+        pixels = self._eye.render(self._data, self._cameras[k][side], table.rendered_width, table.rendered_height, ids)
         if ids:
             return pixels
         return self._remapped(pixels, lens)
 
-    def _remapped(self, pixels: Any, lens: Lens) -> Any:
+    def _remapped(self, pixels: Image, lens: Lens) -> Image:
         """An image as rendered, from the lowest row up, as the lens shows it, from the highest row down."""
         table = self._tables[lens]
         if table.map1 is None:
-            return cv2.flip(pixels, 0)
-        how = cv2.INTER_LINEAR if pixels.dtype == np.uint8 else cv2.INTER_NEAREST
-        return cv2.remap(pixels, table.map1, table.map2_upwards, how, borderMode=cv2.BORDER_REPLICATE)
+            return np.asarray(cv2.flip(pixels, 0), np.uint8)
+        made = cv2.remap(pixels, table.map1, table.map2, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+        return np.asarray(made, np.uint8)
 
     def _owners(self, k: int, side: int) -> Owners:
         """(H, W) whose cone each pixel as rendered shows."""
@@ -204,6 +204,15 @@ class _Eye:
         mujoco.mjr_render(rect, self.scene, self._drawing)
         mujoco.mjr_readPixels(pixels, None, rect, self._drawing)
         return pixels
+
+
+def _upwards(tables: RemapTables) -> RemapTables:
+    """The same tables for a rendering that is given from its lowest row up."""
+    if tables.map1 is None:
+        return tables
+    map1 = tables.map1.copy()
+    map1[..., 1] = tables.rendered_height - 1 - map1[..., 1]
+    return tables._replace(map1=map1)
 
 
 def _illuminate(model: mujoco.MjModel, light: float) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import colorsys
 import math
 from typing import Annotated, NamedTuple
 
@@ -35,12 +34,6 @@ class Parameters(NamedTuple):
         bool,
         Parameter("", "a choice: whether detections are held against what the images show, which is rendered again"),
     ] = True
-
-
-def cone_colours(robots: int) -> list[tuple[float, float, float]]:
-    """A colour for the cone of each robot, red, green and blue from 0 to 1: hues evenly around, from orange on."""
-    orange = 14.0 / 360.0
-    return [colorsys.hsv_to_rgb((orange + k / robots) % 1.0, 1.0, 1.0) for k in range(robots)]
 
 
 def lens_of(parameters: Parameters) -> Lens:

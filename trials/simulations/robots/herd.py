@@ -17,7 +17,7 @@ from flocking.errors import InputError
 from flocking.types import Bools, Floats
 from robots import body as bodies
 from sensing import association
-from sensing.camera import setting
+from sensing.camera import palette, setting
 from sensing.camera.lens import Lens, column_angles
 from sensing.camera.rendering import Cameras
 from sensing.laser import hokuyo
@@ -204,7 +204,7 @@ def _cameras(world: World, robots: Sequence[Resolved]) -> Cameras | None:
     lenses = [setting.lens_of(its.cameras) if its.reads_images else None for its in robots]
     colours = None
     if any(its.reads_images and its.cameras.colours == setting.ONE_EACH for its in robots):
-        colours = setting.cone_colours(len(robots))
+        colours = [palette.rgb(k) for k in range(len(robots))]
     return Cameras(world.seen(), [prefix(name) for name in world.names], lenses, colours=colours)
 
 

@@ -47,6 +47,7 @@ def run_trial(
     cannot be set up.
     """
     from trials.simulations.robots.measures import measure
+    from trials.simulations.robots.measures_eyes import eyes, has_eyes
     from trials.simulations.robots.measures_guided import guidance
 
     if scans not in ("none", "some", "all"):
@@ -88,6 +89,8 @@ def run_trial(
     found = measure(result) | _judged(result, given.behaviour)
     if herd.scenario is not None:
         found |= guidance(result)
+    if has_eyes(trial):
+        found |= eyes(result)
     return dataclasses.replace(result, measures=found)
 
 
@@ -149,7 +152,7 @@ def run(herd: Herd, log: Log, last: int) -> None:
         if keep and senses.scan is not None:
             log.scan(data.time, k, poses_w[k], senses.scan)
         if keep and senses.images is not None:
-            log.pictures.keep(k, senses.images, detection, robot.taken_for(senses.images))
+            log.pictures.keep(k, senses.images, detection, robot.taken_for())
 
 
 def _check(herd: Herd, poses_w: Floats) -> None:

@@ -11,6 +11,7 @@ from flocking.angles import wrapped
 from flocking.measures import formation
 from flocking.types import Floats
 from robots import body as bodies
+from robots.eyes import CONE_RADIUS
 from trials.simulations.robots.fields import of_group
 from trials.simulations.robots.seen import cones_w
 from trials.types import Measure, Trial, TrialResult
@@ -21,7 +22,9 @@ of the collapsed safety bubble, 38.1 to a foot."""
 
 ABOUT: dict[str, Measure] = {
     "bearing_error": Measure("rad", "of an input: how far its bearing is from that of the cone that it is of, mean"),
-    "distance_error": Measure("", "of an input: error of its distance, relative to the true one, mean of the amounts"),
+    "distance_error": Measure(
+        "", "of an input: error of its distance, relative to that of the cone's near side, mean of the amounts"
+    ),
     "distance_bias": Measure("", "the same with its sign: above 0, estimates are too long"),
     "flocks": Measure("", "number of flocks at the end (single linkage, 4 feet)"),
     "one_flock_share": Measure("", "share of the second half in which all robots are one flock"),
@@ -76,7 +79,8 @@ def _estimates(result: TrialResult) -> dict[str, float]:
     true = cones_w(result, updates.times)[of_update, owners] - poses[:, :2]
     bearings = np.arctan2(true[:, 1], true[:, 0]) - poses[:, 2]
     errors = wrapped(np.arctan2(inputs[:, 1], inputs[:, 0]) - bearings)
-    relative = np.hypot(inputs[:, 0], inputs[:, 1]) / np.maximum(np.hypot(true[:, 0], true[:, 1]), 1e-9) - 1.0
+    away = np.maximum(np.hypot(true[:, 0], true[:, 1]) - CONE_RADIUS, 1e-3)
+    relative = np.hypot(inputs[:, 0], inputs[:, 1]) / away - 1.0
     sound = np.isfinite(errors) & np.isfinite(relative)
     if not sound.any():
         return {}

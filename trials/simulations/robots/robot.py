@@ -18,7 +18,7 @@ from sensing.association import Association
 from sensing.camera.rendering import Cameras
 from sensing.laser.draws import intensity_draws, range_draws
 from sensing.laser.hokuyo import PERIOD_S, Lasers
-from sensing.types import Detection, Images, PipelineState, Scan, ScanTruth, Senses, WorldTruth
+from sensing.types import Detection, PipelineState, Scan, ScanTruth, Senses, WorldTruth
 from trials.simulations.robots.knowledge import COMPASS, GOAL, Knowledge
 from trials.simulations.robots.obstacle_stage import AVOIDING, ObstacleStage
 
@@ -136,10 +136,10 @@ class Robot:
         self._scanned = images.time
         return Senses(None, truth, images=images), self.cameras.truth(data, self.index) if self.judged else None
 
-    def taken_for(self, images: Images) -> tuple[Any, Any] | None:
-        """The number of the colour that each pixel is taken for, (H, W) each; None where its pipeline does not say."""
-        explain = getattr(self.pipeline, "taken_for", None)
-        return explain(images, self.pipeline_state) if explain else None
+    def taken_for(self) -> tuple[Any, Any] | None:
+        """The number of the colour that each pixel of its last images was taken for, (H, W) each; None where its
+        pipeline does not say."""
+        return getattr(self.pipeline_state, "labels", None)
 
     def detect(self, senses: Senses) -> Detection:
         """Stage 2, member detection and obstacle detection, with what association infers from the detection before."""

@@ -8,6 +8,7 @@ places and headings differ a little from repeat to repeat.
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Sequence
 from typing import Any, NamedTuple
@@ -87,15 +88,11 @@ def seeing(count: int, *, name: str = HERD, body: str = BODIES[0], **given: Any)
 
 def following(experiment: str, repeat: int, legs: Sequence[Leg], x_ft: float) -> Trial:
     """A lead robot so many feet ahead of the one that follows it."""
-    return trial(
-        experiment, repeat, [lead(legs, x_ft), seeing(1)], world="open-floor", duration_s=seconds(legs)
-    )
+    return trial(experiment, repeat, [lead(legs, x_ft), seeing(1)], world="open-floor", duration_s=seconds(legs))
 
 
 def finish(trial: Trial) -> Trial:
     """All robots of a trial have one body, that of those that see."""
     body = next(of_group(each).body for each in trial.groups if each.name == HERD)
     groups = tuple(with_setup(each, {"body": body}) for each in trial.groups)
-    import dataclasses
-
     return dataclasses.replace(trial, groups=groups)
