@@ -239,3 +239,22 @@ def cones(
                     columns[other * width + runs[q, 2] : other * width + runs[q, 3] + 1] = members
         members += 1
     return positions[:members].copy(), colours[:members].copy(), columns, distances[:members].copy()
+
+
+@compiled
+def spread(owners: Ints, distances: Floats, colours: Ints, edges: Floats, mounts: Floats) -> tuple[Floats, Ints, Ints]:
+    """Positions (M, 2) and colours (M,) of one input a column that has an owner (2W,), and its row (2W,)."""
+    width = len(owners) // 2
+    count = int(np.sum(owners >= 0))
+    positions, ids, columns = np.empty((count, 2)), np.empty(count, np.int64), np.full(len(owners), -1, np.int64)
+    row = 0
+    for j in range(len(owners)):
+        if owners[j] < 0:
+            continue
+        side, column = j // width, j % width
+        bearing = (edges[side, column] + edges[side, column + 1]) / 2.0 + mounts[side, 2]
+        positions[row, 0] = mounts[side, 0] + distances[owners[j]] * math.cos(bearing)
+        positions[row, 1] = mounts[side, 1] + distances[owners[j]] * math.sin(bearing)
+        ids[row], columns[j] = colours[owners[j]], row
+        row += 1
+    return positions, ids, columns

@@ -60,7 +60,7 @@ def detect(senses: Senses, own: Own, state: looking.Gaze) -> tuple[Detection, lo
     )
     _, colours, owners, distances = looking.cones(left, right, *state.eyes, state.radius_m, len(left) + len(right))
     kept = _kept(owners, len(colours))
-    positions, ids, columns = spread(kept, distances, colours, *state.eyes)
+    positions, ids, columns = looking.spread(kept, distances, colours, *state.eyes)
     return Detection(looking.members_of(positions, ids, state.colours > 1), NO_OBSTACLES, columns), state
 
 
@@ -77,22 +77,3 @@ def _kept(owners: Ints, cones: int) -> Ints:
         if owners[j] >= 0 and counts[owners[j], j // width] < counts[owners[j], 1 - j // width] + j // width:
             kept[j] = -1
     return kept
-
-
-@compiled
-def spread(owners: Ints, distances: Floats, colours: Ints, edges: Floats, mounts: Floats) -> tuple[Floats, Ints, Ints]:
-    """Positions (M, 2) and colours (M,) of one input a column that has an owner (2W,), and its row (2W,)."""
-    width = len(owners) // 2
-    count = int(np.sum(owners >= 0))
-    positions, ids, columns = np.empty((count, 2)), np.empty(count, np.int64), np.full(len(owners), -1, np.int64)
-    row = 0
-    for j in range(len(owners)):
-        if owners[j] < 0:
-            continue
-        side, column = j // width, j % width
-        bearing = (edges[side, column] + edges[side, column + 1]) / 2.0 + mounts[side, 2]
-        positions[row, 0] = mounts[side, 0] + distances[owners[j]] * np.cos(bearing)
-        positions[row, 1] = mounts[side, 1] + distances[owners[j]] * np.sin(bearing)
-        ids[row], columns[j] = colours[owners[j]], row
-        row += 1
-    return positions, ids, columns

@@ -13,14 +13,14 @@ from sensing.camera.images import Images
 from sensing.camera.lens import EQUAL_ANGLE, PINHOLE, PROJECTIONS, Lens, column_angles
 from sensing.camera.looking import camera_mounts
 from sensing.camera.palette import rgb
-from sensing.pipelines import cone_member_based, cone_member_extrapolated
+from sensing.pipelines import cone_member_based, cone_member_extrapolated, cone_sensor_based
 from sensing.types import NOBODY, Detection, Senses
 from tests.sensing.camera.scenes import MOUNTS, ORANGE, RADIUS, Cone, model_with_cameras, pictures
 
 OWN = Own(np.zeros(2), 0.0, math.nan, np.full(2, np.nan), np.zeros(2, np.bool_), 0.1, 0, 0)
 MODEL = model_with_cameras()
 LENS = Lens()
-ALL = [cone_member_based, cone_member_extrapolated]
+ALL = [cone_member_based, cone_member_extrapolated, cone_sensor_based]
 
 
 def run(pipeline, images: Images, lens: Lens = LENS, model=MODEL, **parameters) -> Detection:
@@ -77,10 +77,14 @@ def test_a_cone_in_both_images_is_one_member_of_both_images_columns(bearing):
         if pipeline is cone_member_based:
             assert len(detection.members.ids) == 1
             assert np.array_equal(detection.beams == 0, seen)
-        else:
-            made = detection.beams >= 0
+            continue
+        made = detection.beams >= 0
+        assert np.all(seen[made])
+        bearings = np.add.outer([MOUNTS[0][2], MOUNTS[1][2]], column_angles(LENS))
+        if pipeline is cone_member_extrapolated:
             assert made[:640].any() != made[640:].any()
-            assert np.all(seen[made])
+        else:  # either camera's own side
+            assert np.array_equal(made, seen & np.stack((bearings[0] >= 0, bearings[1] < 0)).ravel())
 
 
 def test_two_cones_are_one_closest_member_or_all_their_columns():
@@ -98,6 +102,22 @@ def test_two_cones_are_one_closest_member_or_all_their_columns():
         assert np.ptp(distances) < 0.06
         mean = many.members.positions[rows].mean(axis=0)
         assert np.hypot(*(mean - cone[:2])) < 0.12
+
+
+def test_every_orange_column_is_an_input_even_a_lone_pixel():
+    images, owners = pictures([at(0.6, 30.0), at(1.5, -40.0)], LENS)
+    left = images.left.copy()
+    left[3, 17] = ORANGE
+    found = run(cone_sensor_based, images._replace(left=left))
+    expected = (owners >= 0).any(axis=1).ravel()
+    expected[17] = True
+    assert np.array_equal(found.beams >= 0, expected)
+    lone = found.members.positions[found.beams[17]] - MOUNTS[0][:2]
+    assert np.hypot(*lone) == pytest.approx(29.8, abs=0.1)
+    without = run(cone_member_extrapolated, images._replace(left=left))
+    assert without.beams[17] == NOBODY
+    same = [run(p, images).members.positions for p in (cone_sensor_based, cone_member_extrapolated)]
+    np.testing.assert_array_equal(*same)  # whole cones, away from the middle
 
 
 def test_short_runs_are_no_cone_where_a_least_length_is_asked_for():
