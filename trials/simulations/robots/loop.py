@@ -16,8 +16,9 @@ from sensing.truth import judge
 from trials.simulations import judged, watch
 from trials.simulations.contract import Watcher
 from trials.simulations.robots import guided
-from trials.simulations.robots.fields import iteration_s, of_trial
+from trials.simulations.robots.fields import iteration_s, of_group, of_trial
 from trials.simulations.robots.herd import Herd, assemble
+from trials.simulations.robots.knowledge import ODOMETRY
 from trials.simulations.robots.log import SAMPLE_S, Log
 from trials.simulations.robots.robot import LawError
 from trials.types import Trial, TrialResult
@@ -49,6 +50,7 @@ def run_trial(
     from trials.simulations.robots.measures import measure
     from trials.simulations.robots.measures_eyes import eyes, has_eyes
     from trials.simulations.robots.measures_guided import guidance
+    from trials.simulations.robots.measures_odometry import reckoned
 
     if scans not in ("none", "some", "all"):
         raise InputError(f"scans {scans!r}: expected none, some or all")
@@ -91,6 +93,8 @@ def run_trial(
         found |= guidance(result)
     if has_eyes(trial):
         found |= eyes(result)
+    if any(of_group(each).own_motion == ODOMETRY for each in trial.groups):
+        found |= reckoned(result)
     return dataclasses.replace(result, measures=found)
 
 

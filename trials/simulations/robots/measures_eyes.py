@@ -22,9 +22,7 @@ of the collapsed safety bubble, 38.1 to a foot."""
 
 ABOUT: dict[str, Measure] = {
     "bearing_error": Measure("rad", "of an input: how far its bearing is from that of the cone that it is of, mean"),
-    "distance_error": Measure(
-        "", "of an input: error of its distance, relative to that of the cone's near side, mean of the amounts"
-    ),
+    "distance_error": Measure("", "of an input: amount by which its distance errs, of the cone's near side, mean"),
     "distance_bias": Measure("", "the same with its sign: above 0, estimates are too long"),
     "flocks": Measure("", "number of flocks at the end (single linkage, 4 feet)"),
     "one_flock_share": Measure("", "share of the second half in which all robots are one flock"),

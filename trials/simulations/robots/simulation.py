@@ -10,7 +10,16 @@ from flocking.errors import InputError
 from robots import body as bodies
 from trials.simulations import judged
 from trials.simulations.contract import Simulation, Watcher
-from trials.simulations.robots import checks, fields, guided, keys, measures_eyes, measures_guided, worldfile
+from trials.simulations.robots import (
+    checks,
+    fields,
+    guided,
+    keys,
+    measures_eyes,
+    measures_guided,
+    measures_odometry,
+    worldfile,
+)
 from trials.simulations.robots.measures import ABOUT, HEADINGS, KEY_MEASURES
 from trials.types import Trial, TrialResult, with_setup
 from worlds import formations, known, start_poses
@@ -97,7 +106,13 @@ SIMULATION = Simulation(
     settled=keys.settled,
     run_trial=run_trial,
     record=record,
-    measures={**ABOUT, **judged.ABOUT, **measures_guided.ABOUT, **measures_eyes.ABOUT},
+    measures={
+        **ABOUT,
+        **judged.ABOUT,
+        **measures_guided.ABOUT,
+        **measures_eyes.ABOUT,
+        **measures_odometry.ABOUT,
+    },
     key_measures=KEY_MEASURES,
     limit_s=limit_s,
     moment=moment,

@@ -19,7 +19,7 @@ NONE = 0.05
 
 def following_claims(run: Run) -> list[Entry]:
     """Two entries for each body: the final distance, and that nobody ever touches another."""
-    name = run.plan.name.replace("follow-", "test_")
+    name = run.trials[0].experiment.replace("follow-", "test_")
     return answers(run, KEYS, partial(_following, name))
 
 

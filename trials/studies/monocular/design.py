@@ -11,7 +11,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from flocking.parameters import Parameter
 from trials.simulations.robots.fields import group, of_group, trial
@@ -74,16 +74,16 @@ def driven(legs: Sequence[Leg]) -> dict[str, Value]:
 
 def lead(legs: Sequence[Leg], x_ft: float, body: str = BODIES[0]) -> Group:
     """The robot that a person drives, its cone so far ahead of the follower's start; it sees nothing."""
-    return group(
-        "drive", 1, name=LEAD, body=body, pipeline="perfect", law_parameters=driven(legs), formation="single-file",
-        start_x_m=x_ft * FOOT, rate_hz=RATE_HZ, start_moving=False, **PLACED,
-    )  # fmt: skip
+    made = group("drive", 1, name=LEAD, pipeline="perfect", law_parameters=driven(legs))
+    own: dict[str, Value] = {"body": body, "formation": "single-file", "rate_hz": RATE_HZ, "start_moving": False}
+    return with_setup(made, {**own, **PLACED, "start_x_m": x_ft * FOOT})
 
 
-def seeing(count: int, *, name: str = HERD, body: str = BODIES[0], **given: Any) -> Group:
-    """Robots that run Kirchner's software."""
-    setup = {"body": body, "formation": "single-file", "rate_hz": RATE_HZ, "speed_m_s": 0.2, **PLACED, **given}
-    return group("moshtagh-kirchner", count, name=name, pipeline="cone-member-based", law_parameters=LAW, **setup)
+def seeing(count: int, *, name: str = HERD, spacing_m: float = 1.0, **given: Value) -> Group:
+    """Robots that run Kirchner's software. `spacing_m`: of their formation."""
+    made = group("moshtagh-kirchner", count, name=name, pipeline="cone-member-based", law_parameters=LAW)
+    own: dict[str, Value] = {"body": BODIES[0], "formation": "single-file", "rate_hz": RATE_HZ, "speed_m_s": 0.2}
+    return with_setup(made, {**own, **PLACED, "formation.spacing_m": spacing_m, **given})
 
 
 def following(experiment: str, repeat: int, legs: Sequence[Leg], x_ft: float) -> Trial:
