@@ -28,4 +28,13 @@ if [ ! -x .venv/bin/python ] || ! .venv/bin/python -m pip --version >/dev/null 2
 fi
 say "installing (a minute on a new machine)"
 .venv/bin/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[dev]'
+# Cameras' images are rendered with OpenGL; all else works without it.
+if ! .venv/bin/python -m sensing.camera.opengl >/dev/null 2>&1; then
+    if [ "$(id -u)" = 0 ] && command -v apt-get >/dev/null 2>&1; then
+        say "installing libosmesa6, which renders the cameras' images"
+        { apt-get update && DEBIAN_FRONTEND=noninteractive apt-get install -y libosmesa6; } >/dev/null 2>&1 || true
+    fi
+    .venv/bin/python -m sensing.camera.opengl >/dev/null 2>&1 ||
+        say "experiments with cameras will not run: OpenGL is missing; install it with: apt-get install libosmesa6"
+fi
 touch .venv/ready

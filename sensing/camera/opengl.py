@@ -135,7 +135,12 @@ def _try(each: str) -> None:
     print("renders", flush=True)
 
 
-if __name__ == "__main__":
+if __name__ == "__main__" and len(sys.argv) == 1:  # what renders here, for the set-up
+    try:
+        print(library())
+    except InputError as error:
+        sys.exit(f"create-herd: {error}")
+elif __name__ == "__main__":
     try:
         _try(sys.argv[1])
     except BaseException as error:

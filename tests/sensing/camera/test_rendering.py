@@ -17,6 +17,17 @@ from sensing.camera.lens import PROJECTIONS, Lens, column_angles
 from sensing.camera.rendering import Cameras
 from worlds.assemble import World, build, prefix
 
+
+
+@pytest.fixture(scope="module", autouse=True)
+def rendering() -> None:
+    """All of these need OpenGL."""
+    try:
+        opengl.library()
+    except InputError as error:
+        pytest.skip(str(error))
+
+
 A_COLUMN = 1.5
 """Columns: an edge is drawn in the column that its middle falls into, in the wide image and in the lens's."""
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from flocking.errors import InputError
 from flocking.parameters import Parameter
 from trials import design, simulations
 from trials.commands import listing
@@ -31,7 +32,12 @@ class TestExperiment:
     def test_its_first_trial_runs_a_moment(self, name: str) -> None:
         whole = design.plan(name, repeats=1).trials[0]
         trial = simulations.of(whole).moment(whole)
-        result = simulations.run_trial(trial, reraise=True)
+        try:
+            result = simulations.run_trial(trial, reraise=True)
+        except InputError as error:
+            if "OpenGL" in str(error):
+                pytest.skip(str(error))
+            raise
         assert result.outcome == "done"
         assert result.times[-1] > 0.0
         assert set(getattr(design.load(name), "KEY_MEASURES", ())) <= result.measures.keys()
