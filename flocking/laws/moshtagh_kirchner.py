@@ -41,6 +41,9 @@ KIRCHNER = "Kirchner 2006"
 TURN_MOST_DEG, TURN_LEAST_DEG, TURN_SCALE = 15.0, 5.0, 21.4
 """Of equation 3.18: deg/s, deg/s; the last divides degrees and quarter inches."""
 
+STAYS = 1e-9
+"""A bearing that changes by less than this part of 1/τ stays: far above rounding, far below what a robot could tell."""
+
 
 class Parameters(NamedTuple):
     """Of Kirchner's robots."""
@@ -107,12 +110,13 @@ CREATE = {"range_m": 4.0, "ideal_m": 0.8, "danger_m": 0.4, "start_m_s": 0.2, "le
 def alignment_rate(x: float, y: float, vx: float, vy: float) -> float:
     """The sum's term of equation 3.8 for one member, counter-clockwise: its place and velocity relative to the own.
 
-    √(β'² + 1/τ²) is the relative speed divided by the distance.
+    √(β'² + 1/τ²) is the relative speed divided by the distance. A bearing that stays, but for rounding, turns it to
+    neither side: so does that of a virtual member, whose velocity differs from the own one along the line to it alone.
     """
     squared = x * x + y * y
     turning = (x * vy - y * vx) / squared
     closing = (x * vx + y * vy) / squared
-    if turning == 0.0:
+    if abs(turning) <= STAYS * abs(closing):
         return 0.0
     return math.copysign(0.5 * math.hypot(turning, closing), turning)
 
