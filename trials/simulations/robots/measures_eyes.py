@@ -20,13 +20,15 @@ FLOCK_CUT_M = 4 * 0.3048
 """Robots farther apart belong to different flocks: Kirchner 2006, section 3.3, 48 pixels of its simulation and the 104
 of the collapsed safety bubble, 38.1 to a foot."""
 
+LEAD = "lead"
+
 ABOUT: dict[str, Measure] = {
     "bearing_error": Measure("rad", "of an input: how far its bearing is from that of the cone that it is of, mean"),
     "distance_error": Measure("", "of an input: amount by which its distance errs, of the cone's near side, mean"),
     "distance_bias": Measure("", "the same with its sign: above 0, estimates are too long"),
     "flocks": Measure("", "number of flocks at the end (single linkage, 4 feet)"),
     "one_flock_share": Measure("", "share of the second half in which all robots are one flock"),
-    "final_distance": Measure("m", "from the first robot to the others at the end, mean"),
+    "final_distance": Measure("m", "from the lead robot (of the group `lead`, or the first) to the others at the end, mean"),
     "final_distance_least": Measure("m", "the same, the least"),
     "final_distance_most": Measure("m", "the same, the greatest"),
     "closest": Measure("m", "the least distance between two robots' centres in the trial"),
@@ -49,7 +51,8 @@ def eyes(result: TrialResult) -> dict[str, float]:
     flocks = formation.number_of_groups(positions[late], FLOCK_CUT_M)
     found |= {"flocks": float(flocks[-1]), "one_flock_share": float(np.mean(flocks == 1))}
     if positions.shape[1] > 1:
-        away = np.hypot(*(positions[-1, 1:] - positions[-1, 0]).T)
+        of = lead(result)
+        away = np.hypot(*(np.delete(positions[-1], of, axis=0) - positions[-1, of]).T)
         found |= {
             "final_distance": float(away.mean()),
             "final_distance_least": float(away.min()),
@@ -57,6 +60,11 @@ def eyes(result: TrialResult) -> dict[str, float]:
             "closest": min(_closest(each) for each in positions),
         }
     return found
+
+
+def lead(result: TrialResult) -> int:
+    """The robot that leads: the first of the group `lead`, or of all."""
+    return next((k for k, name in enumerate(result.robot_names) if name.startswith(f"{LEAD}-")), 0)
 
 
 def _closest(places: Floats) -> float:

@@ -88,7 +88,7 @@ def seeing(count: int, *, name: str = HERD, spacing_m: float = 1.0, **given: Val
 
 def following(experiment: str, repeat: int, legs: Sequence[Leg], x_ft: float) -> Trial:
     """A lead robot so many feet ahead of the one that follows it."""
-    return trial(experiment, repeat, [lead(legs, x_ft), seeing(1)], world="open-floor", duration_s=seconds(legs))
+    return trial(experiment, repeat, [seeing(1), lead(legs, x_ft)], world="open-floor", duration_s=seconds(legs))
 
 
 def finish(trial: Trial) -> Trial:

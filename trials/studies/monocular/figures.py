@@ -11,6 +11,7 @@ from trials.evidence.runs import Run
 from trials.reports import figures as draw
 from trials.reports.arms import by_arm, panels
 from trials.reports.figures import ROBOT_COLOURS, Figure, Place
+from trials.simulations.robots.measures_eyes import lead
 from trials.studies.monocular.design import BODIES, BODY, FOOT
 from trials.types import TrialResult
 
@@ -35,7 +36,7 @@ def _figures(run: Run, place: Place) -> list[Figure]:
         _paths(left, result)
         _distances(right, result)
     caption = (
-        "The first trial of each body, in feet, and the distance of the others from the first robot over time. Dots: "
+        "The first trial of each body, in feet, and the distance of the others from the lead robot over time. Dots: "
         "where they end. As figures 4.1 to 4.5 of Kirchner 2006."
     )
     return [draw.save(canvas, place, "paths", "Paths", caption)]
@@ -43,10 +44,11 @@ def _figures(run: Run, place: Place) -> list[Figure]:
 
 def _paths(axis: Any, result: TrialResult) -> None:
     axis.set_aspect("equal", adjustable="datalim")
+    ahead = lead(result)
     for k, name in enumerate(result.robot_names):
         way = result.poses_w[:, k, :2] / FOOT
         colour = ROBOT_COLOURS[k % len(ROBOT_COLOURS)]
-        axis.plot(way[:, 0], way[:, 1], color=colour, lw=1.2, ls="-" if k == 0 else "--", label=name)
+        axis.plot(way[:, 0], way[:, 1], color=colour, lw=1.2, ls="-" if k == ahead else "--", label=name)
         axis.plot(*way[-1], "o", color=colour, ms=4)
     axis.set_xlabel("x (ft)")
     axis.set_ylabel("y (ft)")
@@ -54,10 +56,13 @@ def _paths(axis: Any, result: TrialResult) -> None:
 
 
 def _distances(axis: Any, result: TrialResult) -> None:
-    first = result.poses_w[:, 0, :2]
-    for k in range(1, len(result.robot_names)):
+    ahead = lead(result)
+    first = result.poses_w[:, ahead, :2]
+    for k in range(len(result.robot_names)):
+        if k == ahead:
+            continue
         away = np.hypot(*(result.poses_w[:, k, :2] - first).T) / FOOT
         axis.plot(result.times, away, color=ROBOT_COLOURS[k % len(ROBOT_COLOURS)], lw=1.2, ls="--")
     axis.axhline(3.0, color="grey", lw=0.8)
     axis.set_xlabel("time (s)")
-    axis.set_ylabel("distance from the first (ft)")
+    axis.set_ylabel("distance from the lead (ft)")

@@ -23,7 +23,7 @@ def base(repeat: int) -> Trial:
     """The front robot and the two behind it."""
     front = seeing(1, name=LEAD, start_x_m=AHEAD_FT * FOOT)
     rear = seeing(2, name=HERD, formation="single-group", spacing_m=APART_FT * FOOT)
-    return trial("three-robots", repeat, [front, rear], world="open-floor", duration_s=SECONDS)
+    return trial("three-robots", repeat, [rear, front], world="open-floor", duration_s=SECONDS)
 
 
 __all__ = ["CONDITIONS", "KEY_MEASURES", "RECORD", "REPEATS", "SOURCES", "base", "claims", "figures", "finish"]

@@ -1,0 +1,79 @@
+"""Flocking by two cameras: 3, 6 and 12 Creates and three Pioneers for a minute, and the same law with perfect sensing.
+
+Kirchner 2006 has three Pioneers and the nearest neighbour alone; its first extension is all neighbours (section 5.1).
+Robots start scattered, each in sight of some other; a flock is what no gap of more than four feet divides (section
+3.3). Perfect sensing has the cameras' view, 220 degrees and eight feet, with robots hiding one another and without.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from flocking.parameters import Parameter
+from trials.simulations.robots.fields import trial
+from trials.studies.monocular.design import BODIES, BODY, FOOT, HERD, LAW, RATE_HZ, seeing
+from trials.studies.monocular.flock_claims import COUNT, NEAREST, OCCLUSION, ONE, PERFECT, PIPELINE, SEVERAL, claims
+from trials.studies.monocular.flock_figures import figures
+from trials.types import Trial, Value, with_setup
+
+REPEATS = 5
+RECORD = "first"
+CONDITIONS = {COUNT: (3, 6, 12), PIPELINE: (ONE, SEVERAL, PERFECT)}
+PIONEERS = 3
+SOURCES = {
+    COUNT: Parameter("robots", "Kirchner 2006 has three; more are ours", published=True),
+    NEAREST: Parameter("", "Kirchner 2006, section 3.6.1.1, and all neighbours as of section 5.1", published=True),
+    PIPELINE: Parameter("", "Kirchner 2006, sections 3.6.4 to 3.6.6; several cones and perfect sensing are ours"),
+    "duration_s": Parameter("s", "Kirchner 2006, section 3.3: one minute", published=True),
+    f"{HERD}.rate_hz": Parameter("Hz", "a choice: the cameras' bound is 60"),
+    "formation": Parameter("", "a choice: each in sight of some other"),
+}
+KEY_MEASURES = ("flocks", "one_flock_share", "polarization", "largest_share", "member_collisions", "closest")
+SECONDS = 60.0
+SCATTERED: dict[str, Value] = {"gap_m": 0.9, "length_m": 4.0, "half_width_m": 1.2, "heading_spread_deg": 60.0}
+VIEW: dict[str, Value] = {"field_of_view_rad": math.radians(220.0), "range_m": 8 * FOOT}
+"""Of perfect sensing: Kirchner 2006, sections 3.1 and 3.3."""
+
+
+def cells(conditions: Mapping[str, Sequence[Any]]) -> list[dict[str, Value]]:
+    """Creates of all counts and three Pioneers, by each way of seeing.
+
+    One run of pixels is one neighbour, the nearest; all neighbours take a detection of several.
+    """
+    herds: list[dict[str, Value]] = [{COUNT: count} for count in conditions[COUNT]]
+    ways: list[dict[str, Value]] = [
+        way
+        for pipeline in conditions[PIPELINE]
+        for way in (
+            [{PIPELINE: pipeline, NEAREST: near, OCCLUSION: hides} for near in (True, False) for hides in (True, False)]
+            if pipeline == PERFECT
+            else [{PIPELINE: pipeline, NEAREST: pipeline != SEVERAL}]
+        )
+    ]
+    return [{**herd, **way} for herd in (*herds, {COUNT: PIONEERS, BODY: BODIES[0]}) for way in ways]
+
+
+def base(repeat: int) -> Trial:
+    """Creates with eyes, scattered."""
+    herd = with_setup(seeing(3), {"body": BODIES[1], "formation": "together", "rate_hz": RATE_HZ})
+    kept = {key: value for key, value in herd.setup.items() if not key.startswith("formation.")}
+    herd = dataclasses.replace(herd, setup={**kept, "cameras.judged": False}, law_parameters={**LAW, "nearest_only": True})
+    return trial(
+        "monocular-flock", repeat, [herd], world="open-floor", formation="scattered",
+        formation_parameters=SCATTERED, duration_s=SECONDS,
+    )  # fmt: skip
+
+
+def finish(trial: Trial) -> Trial:
+    """Perfect sensing has the cameras' view."""
+    (herd,) = trial.groups
+    if herd.pipeline != PERFECT:
+        return trial
+    herd = dataclasses.replace(herd, pipeline_parameters={**VIEW, **herd.pipeline_parameters})
+    return dataclasses.replace(trial, groups=(herd,))
+
+
+__all__ = ["CONDITIONS", "KEY_MEASURES", "RECORD", "REPEATS", "SOURCES", "base", "cells", "claims", "figures", "finish"]
