@@ -22,6 +22,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from flocking.compilation import borrowing
 from flocking.errors import InputError, unknown_name
 from flocking.types import Floats, Ints
 from sensing.camera.images import Picture
@@ -55,10 +56,10 @@ class RemapTables(NamedTuple):
     fovy_rad: float
     """Vertical field of view of the pinhole that renders, as MuJoCo's `fovy` (which is in degrees)."""
     map1: NDArray[np.int16] | None
-    """(H, W, 2) and the next (H, W): the fixed-point maps of `cv2.remap`."""
+    """(H, W, 2) and the next (H, W): the fixed-point maps of `cv2.remap`, for blending."""
     map2: NDArray[np.uint16] | None
     columns: Ints
-    """(W,) the rendered column nearest to each column of the image, for whatever cannot be blended."""
+    """(W,) the rendered column nearest to each column of the image."""
 
 
 def checked(lens: Lens) -> Lens:
@@ -130,17 +131,35 @@ def remap_tables(lens: Lens) -> RemapTables:
     return RemapTables(width, lens.height_px, fovy, map1, map2, nearest)
 
 
-def remap(image: Picture, tables: RemapTables) -> Picture:
-    """The lens's image (H, W, 3) of a rendering (rendered_height, rendered_width, 3); raises InputError for others."""
+def remap(image: Picture, tables: RemapTables, blend: bool = False) -> Picture:
+    """The lens's image (H, W, 3) of a rendering (rendered_height, rendered_width, 3); raises InputError for others.
+
+    Each column is the nearest one of the rendering: that takes a fifth of the time, and mixes no colours at edges, where
+    no segmentation would take the mixture for either. With `blend` it is made of the two that it lies between, by `cv2.remap`.
+    """
     _expect(image, tables)
     if tables.map1 is None:
         return image
-    made: Picture = cv2.remap(image, tables.map1, tables.map2, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    if blend:
+        made: Picture = cv2.remap(image, tables.map1, tables.map2, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+        return made
+    made = np.empty((len(image), len(tables.columns), 3), np.uint8)
+    _nearest(image, tables.columns, made)
     return made
 
 
+@borrowing
+def _nearest(image: Picture, columns: Ints, made: Picture) -> None:
+    for i in range(made.shape[0]):
+        for j in range(made.shape[1]):
+            column = columns[j]
+            made[i, j, 0] = image[i, column, 0]
+            made[i, j, 1] = image[i, column, 1]
+            made[i, j, 2] = image[i, column, 2]
+
+
 def remap_labels(labels: NDArray[Any], tables: RemapTables) -> NDArray[Any]:
-    """The same for what cannot be blended, as whose pixel it is: (rendered_height, rendered_width, …) to (H, W, …)."""
+    """The same for whose pixel it is: (rendered_height, rendered_width, …) to (H, W, …)."""
     _expect(labels, tables)
     return labels if tables.map1 is None else np.ascontiguousarray(labels[:, tables.columns])
 
