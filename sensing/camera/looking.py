@@ -14,8 +14,8 @@ from typing import Annotated, NamedTuple
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
+from flocking.angles import wrap
 from flocking.compilation import compiled
 from flocking.errors import InputError
 from flocking.parameters import Parameter
@@ -59,6 +59,13 @@ Offset = Annotated[
     Parameter("", "choice: the thesis leaves the cameras' places out", choices=OFFSETS, plausible=OFFSETS),
 ]
 MinimumRun = Annotated[int, Parameter("px", "choice: 4 px are a cone at 24 ft, noise is shorter", low=1, high=10000)]
+
+
+SHARED = (
+    "segmentation", "ranges", "colours", "largest_hole_px", "minimum_run_px", "cone_radius_m", "pixels_per_degree",
+    "offset",
+)  # fmt: skip
+"""The parameters that `gaze` takes."""
 
 
 class Eyes(NamedTuple):
@@ -193,22 +200,55 @@ def seen_at(start: float, end: float, mount: Floats, radius: float) -> tuple[flo
     return mount[0] + distance * math.cos(bearing), mount[1] + distance * math.sin(bearing), distance
 
 
-@compiled
-def cones(
-    left: Ints, right: Ints, edges: Floats, mounts: Floats, radius: float, most: int
-) -> tuple[Floats, Ints, Ints, NDArray[np.float64]]:
-    """The cones that the runs (R, 4) of both images show, the widest first, at most `most`.
+class Sighted(NamedTuple):
+    """What may be cones, in either image."""
 
-    Returns positions (M, 2) m, colours (M,), the row (2W,) that each column made, and |d| (M,) m.
-    """
-    width = edges.shape[1] - 1
-    count = len(left) + len(right)
-    runs, camera, angle = np.empty((count, 4), np.int64), np.zeros(count, np.int64), np.empty(count)
-    runs[: len(left)], runs[len(left) :] = left, right
-    camera[len(left) :] = 1
-    for r in range(count):
-        angle[r] = edges[camera[r], runs[r, 2]] - edges[camera[r], runs[r, 3] + 1]
-    order = np.argsort(-angle, kind="mergesort")
+    found: Ints
+    """(R, 4) camera (0 left, 1 right), colour, first and last column."""
+    borders: Floats
+    """(R, 2) bearing of the left and the right border in the camera's frame, rad."""
+
+
+@compiled
+def _gathered(left: Ints, right: Ints, edges: Floats) -> tuple[Ints, Floats]:
+    found, borders = np.empty((len(left) + len(right), 4), np.int64), np.empty((len(left) + len(right), 2))
+    for r in range(len(found)):
+        side = 0 if r < len(left) else 1
+        run = left[r] if side == 0 else right[r - len(left)]
+        found[r, 0], found[r, 1], found[r, 2], found[r, 3] = side, run[0], run[2], run[3]
+        borders[r, 0], borders[r, 1] = edges[side, run[2]], edges[side, run[3] + 1]
+    return found, borders
+
+
+def sighted(left: Ints, right: Ints, eyes: Eyes) -> Sighted:
+    """The runs (R, 4) of both images, each of which may be a cone."""
+    return Sighted(*_gathered(left, right, eyes.edges))
+
+
+class Cones(NamedTuple):
+    """The cones that both images show, the widest first."""
+
+    positions: Floats
+    """(M, 2) of their near sides, m, body frame."""
+    colours: Ints
+    """(M,)."""
+    columns: Ints
+    """(2W,) which of them each column shows, −1 = none."""
+    distances: Floats
+    """(M,) |d| from the camera, m."""
+
+
+def cones(seen: Sighted, state: Gaze, most: int) -> Cones:
+    """At most so many cones; one that both images show is one."""
+    return Cones(*_cones(*seen, state.eyes.mounts, state.radius_m, most, state.columns))
+
+
+@compiled
+def _cones(
+    found: Ints, borders: Floats, mounts: Floats, radius: float, most: int, width: int
+) -> tuple[Floats, Ints, Ints, Floats]:
+    count = len(found)
+    order = np.argsort(borders[:, 1] - borders[:, 0], kind="mergesort")
     positions, distances = np.empty((count, 2)), np.empty(count)
     colours, columns, free = np.empty(count, np.int64), np.full(2 * width, -1, np.int64), np.ones(count, np.bool_)
     members = 0
@@ -216,27 +256,28 @@ def cones(
         r = order[at]
         if not free[r] or members == most:
             continue
-        free[r] = False
-        side = camera[r]
-        x, y, distance = seen_at(edges[side, runs[r, 2]], edges[side, runs[r, 3] + 1], mounts[side], radius)
+        side, other = found[r, 0], 1 - found[r, 0]
+        x, y, distance = seen_at(borders[r, 0], borders[r, 1], mounts[side], radius)
         positions[members, 0], positions[members, 1], distances[members] = x, y, distance
-        colours[members] = runs[r, 0]
-        columns[side * width + runs[r, 2] : side * width + runs[r, 3] + 1] = members
+        colours[members] = found[r, 1]
         # its tangents from the other camera
-        bearing = (edges[side, runs[r, 2]] + edges[side, runs[r, 3] + 1]) / 2.0 + mounts[side, 2]
-        other = 1 - side
+        bearing = (borders[r, 0] + borders[r, 1]) / 2.0 + mounts[side, 2]
         to_x = mounts[side, 0] + (distance + radius) * math.cos(bearing) - mounts[other, 0]
         to_y = mounts[side, 1] + (distance + radius) * math.sin(bearing) - mounts[other, 1]
         half = math.asin(min(radius / max(math.hypot(to_x, to_y), radius), 1.0))
-        middle = math.atan2(to_y, to_x) - mounts[other, 2]
-        middle -= 2.0 * math.pi * math.floor((middle + math.pi) / (2.0 * math.pi))
-        for later in range(at + 1, count):
+        middle = wrap(math.atan2(to_y, to_x) - mounts[other, 2])
+        for later in range(at, count):
             q = order[later]
-            if free[q] and camera[q] == other and runs[q, 0] == runs[r, 0]:
-                first, last = edges[other, runs[q, 2]], edges[other, runs[q, 3] + 1]
-                if last <= middle + half and first >= middle - half:
-                    free[q] = False
-                    columns[other * width + runs[q, 2] : other * width + runs[q, 3] + 1] = members
+            same = later == at or (
+                free[q]
+                and found[q, 0] == other
+                and found[q, 1] == found[r, 1]
+                and borders[q, 1] <= middle + half
+                and borders[q, 0] >= middle - half
+            )
+            if same:
+                free[q] = False
+                columns[found[q, 0] * width + found[q, 2] : found[q, 0] * width + found[q, 3] + 1] = members
         members += 1
     return positions[:members].copy(), colours[:members].copy(), columns, distances[:members].copy()
 

@@ -51,7 +51,7 @@ def detect(senses: Senses, own: Own, state: looking.Gaze) -> tuple[Detection, lo
         return Detection(members, NO_OBSTACLES, columns), state
     state = looking.labelled(senses.images, state)
     left, right = (longest(labels, state.colours, state.largest_hole_px) for labels in state.labels)
-    positions, colours, columns, _ = looking.cones(
-        left[left[:, ROW] >= 0], right[right[:, ROW] >= 0], *state.eyes, state.radius_m, 1
-    )
-    return Detection(looking.members_of(positions, colours, state.colours > 1), NO_OBSTACLES, columns), state
+    seen = looking.sighted(left[left[:, ROW] >= 0], right[right[:, ROW] >= 0], state.eyes)
+    closest = looking.cones(seen, state, 1)
+    members = looking.members_of(closest.positions, closest.colours, state.colours > 1)
+    return Detection(members, NO_OBSTACLES, closest.columns), state

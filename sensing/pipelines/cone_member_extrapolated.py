@@ -58,9 +58,9 @@ def detect(senses: Senses, own: Own, state: looking.Gaze) -> tuple[Detection, lo
     left, right = (
         accepted(labels, state.colours, state.largest_hole_px, state.minimum_run_px) for labels in state.labels
     )
-    _, colours, owners, distances = looking.cones(left, right, *state.eyes, state.radius_m, len(left) + len(right))
-    kept = _kept(owners, len(colours))
-    positions, ids, columns = looking.spread(kept, distances, colours, *state.eyes)
+    cones = looking.cones(looking.sighted(left, right, state.eyes), state, len(left) + len(right))
+    kept = _kept(cones.columns, len(cones.colours))
+    positions, ids, columns = looking.spread(kept, cones.distances, cones.colours, *state.eyes)
     return Detection(looking.members_of(positions, ids, state.colours > 1), NO_OBSTACLES, columns), state
 
 
