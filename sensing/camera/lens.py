@@ -134,8 +134,8 @@ def remap_tables(lens: Lens) -> RemapTables:
 def remap(image: Picture, tables: RemapTables, blend: bool = False) -> Picture:
     """The lens's image (H, W, 3) of a rendering (rendered_height, rendered_width, 3); raises InputError for others.
 
-    Each column is the nearest one of the rendering: that takes a fifth of the time, and mixes no colours at edges, where
-    no segmentation would take the mixture for either. With `blend` it is made of the two that it lies between, by `cv2.remap`.
+    Each column is the nearest one of the rendering: it takes a fifth of the time, and mixes no colours at edges, which
+    a segmentation takes for neither. With `blend` it is made of its two neighbours, by `cv2.remap`.
     """
     _expect(image, tables)
     if tables.map1 is None:
