@@ -139,12 +139,8 @@ class Association:
             self._last = self._updated(members.positions, time, _moved(self._pose, pose))
             self._time, self._pose = time, pose.copy()
         velocities, headings = self._last
-        kept = _kept(velocities, headings, self._needs_velocities, self._needs_headings)
         members = members._replace(velocities=velocities, headings=headings)
-        if kept.all():
-            return detection._replace(members=members)
-        known = only(members, np.flatnonzero(kept))
-        return detection._replace(members=known, beams=_renumbered(detection.beams, kept))
+        return known(detection._replace(members=members), self._needs_velocities, self._needs_headings)
 
     def _updated(self, positions: Floats, time: float, moved: Floats) -> tuple[Floats, Floats]:
         """Velocities (M, 2) and headings (M,) of the inputs at `positions` (M, 2)."""
@@ -155,6 +151,15 @@ class Association:
         pairs = old.astype(np.int64), new.astype(np.int64)
         self._bodies = _followed(self._limits, bodies, way, stood, centres, costs, pairs)
         return self._bodies.velocities[labels], self._bodies.headings[labels]
+
+
+def known(detection: Detection, velocities: bool, headings: bool) -> Detection:
+    """`detection` without the members whose velocity or heading is needed (true) and not known."""
+    members = detection.members
+    kept = _kept(members.velocities, members.headings, velocities, headings)
+    if kept.all():
+        return detection
+    return detection._replace(members=only(members, np.flatnonzero(kept)), beams=_renumbered(detection.beams, kept))
 
 
 @compiled

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from flocking.compilation import compiled
 from flocking.types import Ints
 from sensing.camera import opengl
-from sensing.camera.lens import Lens, RemapTables, remap_labels, remap_tables
+from sensing.camera.lens import Lens, remap, remap_labels, remap_tables
 from sensing.types import NOBODY, Images, ScanTruth
 
 LEFT, RIGHT = "camera_left", "camera_right"
@@ -70,6 +70,7 @@ class Cameras:
         self.model, self.lenses = model, tuple(lenses)
         self._data = mujoco.MjData(model)
         self._time = -1.0
+        self._coded: Owners | None = None
         self._owner = np.full(model.ngeom, NOBODY, np.int16)
         self._cameras: list[tuple[int, int]] = []
         for k, prefix in enumerate(prefixes):
@@ -80,7 +81,7 @@ class Cameras:
                     model.geom_rgba[cone, :3] = colours[k]
             pair = [mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_CAMERA, f"{prefix}{each}") for each in (LEFT, RIGHT)]
             self._cameras.append((pair[0], pair[1]))
-        tables = {lens: _upwards(remap_tables(lens)) for lens in lenses if lens is not None}
+        tables = {lens: remap_tables(lens) for lens in lenses if lens is not None}
         for lens, cameras in zip(lenses, self._cameras, strict=True):
             if lens is not None:
                 model.cam_fovy[list(cameras)] = np.degrees(tables[lens].fovy_rad)
@@ -147,8 +148,7 @@ class Cameras:
         table = self._tables[lens]
         if table.map1 is None:
             return np.asarray(cv2.flip(pixels, 0), np.uint8)
-        made = cv2.remap(pixels, table.map1, table.map2, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-        return np.asarray(made, np.uint8)
+        return remap(pixels[::-1], table)
 
     def _owners(self, k: int, side: int) -> Owners:
         """(H, W) whose cone each pixel as rendered shows."""
@@ -157,12 +157,16 @@ class Cameras:
         return self._owner_of_code()[coded]
 
     def _owner_of_code(self) -> Owners:
-        """The owner of the cone that each number in the colours of the last rendering stands for."""
+        """The owner of the cone that each number in the colours of a rendering stands for: always the same, since all
+        that can be seen is in every scene."""
+        if self._coded is not None:
+            return self._coded
         scene = self._eye.scene
         owner = np.full(scene.ngeom + 2, NOBODY, np.int16)
         for geom in scene.geoms[: scene.ngeom]:
             if geom.segid >= 0 and geom.objtype == mujoco.mjtObj.mjOBJ_GEOM:
                 owner[geom.segid + 1] = self._owner[geom.objid]
+        self._coded = owner
         return owner
 
 
@@ -204,15 +208,6 @@ class _Eye:
         mujoco.mjr_render(rect, self.scene, self._drawing)
         mujoco.mjr_readPixels(pixels, None, rect, self._drawing)
         return pixels
-
-
-def _upwards(tables: RemapTables) -> RemapTables:
-    """The same tables for a rendering that is given from its lowest row up."""
-    if tables.map1 is None:
-        return tables
-    map1 = tables.map1.copy()
-    map1[..., 1] = tables.rendered_height - 1 - map1[..., 1]
-    return tables._replace(map1=map1)
 
 
 def _illuminate(model: mujoco.MjModel, light: float) -> None:

@@ -18,7 +18,6 @@ from sensing.camera.rendering import Cameras
 from worlds.assemble import World, build, prefix
 
 
-
 @pytest.fixture(scope="module", autouse=True)
 def rendering() -> None:
     """All of these need OpenGL."""

@@ -180,6 +180,7 @@ def _robot(
         lasers=lasers,
         cameras=cameras if its.reads_images else None,
         judged=its.cameras.judged,
+        needs=("velocities" in wanted.needs, "headings" in wanted.needs),
         knowledge=Knowledge(
             world.fleet,
             index,

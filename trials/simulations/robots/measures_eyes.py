@@ -28,7 +28,9 @@ ABOUT: dict[str, Measure] = {
     "distance_bias": Measure("", "the same with its sign: above 0, estimates are too long"),
     "flocks": Measure("", "number of flocks at the end (single linkage, 4 feet)"),
     "one_flock_share": Measure("", "share of the second half in which all robots are one flock"),
-    "final_distance": Measure("m", "from the lead robot (of the group `lead`, or the first) to the others at the end, mean"),
+    "final_distance": Measure(
+        "m", "from the lead robot (of a group `lead`, or the first) to the others at the end, mean"
+    ),
     "final_distance_least": Measure("m", "the same, the least"),
     "final_distance_most": Measure("m", "the same, the greatest"),
     "closest": Measure("m", "the least distance between two robots' centres in the trial"),

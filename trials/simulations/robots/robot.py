@@ -14,7 +14,7 @@ from flocking import selection
 from flocking.lawentry import MOTIONS_WITHOUT_NUMBERS, OWN_SIZE, Law
 from flocking.types import Bools, Floats, Kind, Members, Motion, Own
 from robots.body import Body, Fleet
-from sensing.association import Association
+from sensing.association import Association, known
 from sensing.camera.rendering import Cameras
 from sensing.laser.draws import intensity_draws, range_draws
 from sensing.laser.hokuyo import PERIOD_S, Lasers
@@ -66,6 +66,8 @@ class Robot:
     """Where its pipeline reads images."""
     judged: bool
     """Whether what the images show is rendered for the log."""
+    needs: tuple[bool, bool]
+    """Whether its law needs velocities, and headings: a cone just seen has none."""
     knowledge: Knowledge
     association: Association | None
     """Infers what the law needs and detections lack; None where they lack nothing."""
@@ -145,7 +147,7 @@ class Robot:
         """Stage 2, member detection and obstacle detection, with what association infers from the detection before."""
         detection, self.pipeline_state = self.pipeline.detect(senses, self.own, self.pipeline_state)
         if self.association is None:
-            return detection
+            return known(detection, *self.needs) if self.cameras is not None else detection
         time = self._scanned if self._reads_scan or self.cameras is not None else self._sensed
         return self.association.infer(detection, time, self.knowledge.pose_w)
 

@@ -29,7 +29,7 @@ def _questions(cells: Cells) -> list[Question]:
     found = []
     planned = cells.planned()
     for cell in planned:
-        count, body, pipeline, nearest, _ = cell
+        count, body, pipeline = cell[:3]
         told = f"{count} {'Pioneers' if body else 'Creates'}"
         if count == THREE and pipeline == ONE:
             judge = all_must_hold(f"flocks after a minute within {HALF_A_FLOCK:g} of 1", _flocks(cells, cell))
@@ -39,9 +39,7 @@ def _questions(cells: Cells) -> list[Question]:
                 if other[:2] != cell[:2]:
                     continue
                 if other[2] == SEVERAL:
-                    judge = all_must_hold(
-                        f"fewer by more than {HALF_A_FLOCK:g} (paired)", _fewer(cells, cell, other)
-                    )
+                    judge = all_must_hold(f"fewer by more than {HALF_A_FLOCK:g} (paired)", _fewer(cells, cell, other))
                     quantity = f"{told}: flocks by the nearest neighbour less those by all"
                     found.append(claim_of(__package__, "kirchner2006", SOURCE, 2, quantity, judge))
     return found

@@ -44,23 +44,25 @@ def cells(conditions: Mapping[str, Sequence[Any]]) -> list[dict[str, Value]]:
     One run of pixels is one neighbour, the nearest; all neighbours take a detection of several.
     """
     herds: list[dict[str, Value]] = [{COUNT: count} for count in conditions[COUNT]]
-    ways: list[dict[str, Value]] = [
-        way
-        for pipeline in conditions[PIPELINE]
-        for way in (
-            [{PIPELINE: pipeline, NEAREST: near, OCCLUSION: hides} for near in (True, False) for hides in (True, False)]
-            if pipeline == PERFECT
-            else [{PIPELINE: pipeline, NEAREST: pipeline != SEVERAL}]
-        )
-    ]
-    return [{**herd, **way} for herd in (*herds, {COUNT: PIONEERS, BODY: BODIES[0]}) for way in ways]
+    herds.append({COUNT: PIONEERS, BODY: BODIES[0]})
+    ways = [way for pipeline in conditions[PIPELINE] for way in _ways(pipeline)]
+    return [{**herd, **way} for herd in herds for way in ways]
+
+
+def _ways(pipeline: str) -> list[dict[str, Value]]:
+    """One run of pixels is one neighbour; perfect sensing has one or all, hidden by others or not."""
+    if pipeline != PERFECT:
+        return [{PIPELINE: pipeline, NEAREST: pipeline != SEVERAL}]
+    return [{PIPELINE: pipeline, NEAREST: near, OCCLUSION: hides} for near in (True, False) for hides in (True, False)]
 
 
 def base(repeat: int) -> Trial:
     """Creates with eyes, scattered."""
     herd = with_setup(seeing(3), {"body": BODIES[1], "formation": "together", "rate_hz": RATE_HZ})
     kept = {key: value for key, value in herd.setup.items() if not key.startswith("formation.")}
-    herd = dataclasses.replace(herd, setup={**kept, "cameras.judged": False}, law_parameters={**LAW, "nearest_only": True})
+    herd = dataclasses.replace(
+        herd, setup={**kept, "cameras.judged": False}, law_parameters={**LAW, "nearest_only": True}
+    )
     return trial(
         "monocular-flock", repeat, [herd], world="open-floor", formation="scattered",
         formation_parameters=SCATTERED, duration_s=SECONDS,
