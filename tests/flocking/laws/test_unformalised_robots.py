@@ -176,7 +176,7 @@ class TestMoshtaghKirchner:
         assert seen[13][0].y == 0.0
 
     def test_nobody_in_view_means_straight_ahead_at_the_speed_it_has(self) -> None:
-        memory = np.array([0.44, 1.0])
+        memory = np.array([0.44, 1.0, 0.0])
         for positions in ([], [[-1.0, 0.1]], [[2.5, 0.0]]):
             motion, rule = ask("moshtagh-kirchner", positions, velocities=[1.0, 0.0], memory=memory)
             assert (rule, motion.x, motion.y) == ("straight ahead", 0.0, 0.44)
