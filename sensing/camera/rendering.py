@@ -89,6 +89,11 @@ class Cameras:
         _illuminate(model, light)
         self._eye = _Eye(model, [(table.rendered_width, table.rendered_height) for table in tables.values()])
 
+    def size(self, k: int) -> tuple[int, int]:
+        """Rows and columns of robot k's images."""
+        lens = self._lens(k)
+        return lens.height_px, lens.width_px
+
     def look(self, data: mujoco.MjData, k: int, time: float, lag_s: float = 0.0) -> Images:
         """The images of robot k at `data`'s places; the right one `lag_s` later, as the robots move then."""
         lens = self._lens(k)

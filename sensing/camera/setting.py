@@ -6,6 +6,7 @@ import math
 from typing import Annotated, NamedTuple
 
 from flocking.parameters import Parameter
+from sensing.camera import imperfections
 from sensing.camera.lens import EQUAL_ANGLE, PROJECTIONS, Lens
 
 _KIRCHNER = "Kirchner 2006"
@@ -30,6 +31,9 @@ class Parameters(NamedTuple):
             "", "of the robots' cones: all orange, or one each (section 5.1)", choices=COLOURS, plausible=COLOURS
         ),
     ] = ORANGE
+    setting: Annotated[
+        str, Parameter("", "a choice: what is imperfect about them", choices=tuple(imperfections.SETTINGS))
+    ] = "none"
     judged: Annotated[
         bool,
         Parameter("", "a choice: whether detections are held against what the images show, which is rendered again"),

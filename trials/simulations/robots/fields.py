@@ -23,7 +23,7 @@ TWO_SCANS, NO_ASSOCIATION = ASSOCIATIONS = ("two-scans", "none")
 AS_LAW, AVOID, VIRTUAL = OBSTACLE_CHOICES = ("as-law", "avoid", "virtual-members")
 TOGETHER = "together"
 """The formation of a group that has none of its own and shares the trial's."""
-SENSORS, CAMERAS, ASSOCIATION = "sensors.", "cameras.", "association."
+SENSORS, CAMERAS, IMPERFECTIONS, ASSOCIATION = "sensors.", "cameras.", "imperfections.", "association."
 AVOIDANCE, FORMATION = "avoidance.", "formation."
 
 
@@ -255,8 +255,8 @@ def group(
     spread: Mapping[str, float] | None = None,
     **setup: Value,
 ) -> Group:
-    """A group of robots; `setup`: of `GroupFields`, below `sensors.`, `cameras.`, `association.`, `avoidance.` and
-    `formation.`.
+    """A group of robots; `setup`: of `GroupFields`, below `sensors.`, `cameras.`, `imperfections.`, `association.`,
+    `avoidance.` and `formation.`.
 
     `law`: a law's name, or the path of a file, whose text is read. Raises `InputError` where it cannot be.
     """

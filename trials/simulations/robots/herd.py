@@ -180,6 +180,8 @@ def _robot(
         lasers=lasers,
         cameras=cameras if its.reads_images else None,
         judged=its.cameras.judged,
+        imperfections=its.imperfections,
+        image_rng=draw(Purpose.IMAGES),
         needs=("velocities" in wanted.needs, "headings" in wanted.needs),
         knowledge=Knowledge(
             world.fleet,

@@ -11,7 +11,7 @@ from flocking import avoidance, found
 from flocking.parameters import Parameter, declared
 from robots.body import digest
 from sensing import association
-from sensing.camera import setting
+from sensing.camera import imperfections, setting
 from sensing.laser import hokuyo
 from trials.rows import Section, below, section
 from trials.simulations import judged, spread
@@ -45,6 +45,7 @@ def keys_of(trial: Trial, group: Group | None = None) -> list[Section]:
         section("pipeline.", pipeline, lambda: _all(pipeline, group.pipeline_parameters)),
         Section(fields.SENSORS, declared(hokuyo.Parameters), lambda: its.laser._asdict(), _of_setting(its)),
         section(fields.CAMERAS, setting.Parameters, lambda: _shown(its.cameras, its.reads_images)),
+        section(fields.IMPERFECTIONS, imperfections.Parameters, lambda: _shown(its.imperfections, its.reads_images)),
         section(fields.ASSOCIATION, association.Parameters, lambda: _shown(its.association, its.wanted.associate)),
         section(fields.AVOIDANCE, avoidance.Parameters, lambda: _shown(its.avoidance, its.avoids)),
     ]

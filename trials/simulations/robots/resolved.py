@@ -13,7 +13,7 @@ from flocking.parameters import declared, filled
 from robots import body as bodies
 from robots.body import Body
 from sensing import association
-from sensing.camera import setting
+from sensing.camera import imperfections, setting
 from sensing.laser import hokuyo
 from sensing.pipelines import INFERRED, OF_ITSELF, given_by
 from trials.rows import below
@@ -22,6 +22,7 @@ from trials.simulations.robots.fields import (
     ASSOCIATION,
     AVOIDANCE,
     CAMERAS,
+    IMPERFECTIONS,
     PIPELINES,
     SENSORS,
     TWO_SCANS,
@@ -126,6 +127,14 @@ class Resolved:
         cameras: setting.Parameters = self._below(CAMERAS, setting.Parameters)
         return cameras
 
+    @cached_property
+    def imperfections(self) -> imperfections.Parameters:
+        """What is imperfect about its cameras: the named setting with the group's own values in place."""
+        own = below(self.group.setup, IMPERFECTIONS)
+        changed = self._below(IMPERFECTIONS, imperfections.Parameters)
+        named = imperfections.SETTINGS[self.cameras.setting]
+        return named._replace(**{name: getattr(changed, name) for name in own})
+
     @property
     def reads_images(self) -> bool:
         """Whether the member detection reads what cameras see."""
@@ -177,6 +186,7 @@ class Resolved:
             "body",
             "laser",
             "cameras",
+            "imperfections",
             "association",
             "avoidance",
         )

@@ -15,6 +15,7 @@ from flocking.lawentry import MOTIONS_WITHOUT_NUMBERS, OWN_SIZE, Law
 from flocking.types import Bools, Floats, Kind, Members, Motion, Own
 from robots.body import Body, Fleet
 from sensing.association import Association, known
+from sensing.camera import imperfections as camera_imperfections
 from sensing.camera.rendering import Cameras
 from sensing.laser.draws import intensity_draws, range_draws
 from sensing.laser.hokuyo import PERIOD_S, Lasers
@@ -66,6 +67,8 @@ class Robot:
     """Where its pipeline reads images."""
     judged: bool
     """Whether what the images show is rendered for the log."""
+    imperfections: camera_imperfections.Parameters
+    image_rng: np.random.Generator
     needs: tuple[bool, bool]
     """Whether its law needs velocities, and headings: a cone just seen has none."""
     knowledge: Knowledge
@@ -85,6 +88,9 @@ class Robot:
     """Time of its last scan, s."""
     _sensed: float = 0.0
     """Time of its last update, s."""
+    _camera_memory: camera_imperfections.Memory | None = None
+    _shown: ScanTruth | None = None
+    """What its last images showed."""
     _draws: Floats = field(default_factory=lambda: np.empty((0, 0)))
     _drawn: int = 0
     _motion_row: Floats = field(default_factory=lambda: np.zeros(4))
@@ -132,11 +138,20 @@ class Robot:
         return Senses(scan, truth, scan_truth.owners if self._reads_owners else None), scan_truth
 
     def _look(self, data: Any, time: float, truth: WorldTruth | None) -> tuple[Senses, ScanTruth | None]:
-        """Stage 1 by cameras; what the images show goes past the robot."""
+        """Stage 1 by cameras; what the images show goes past the robot. A pair that is not due is not rendered."""
         assert self.cameras is not None
-        images = self.cameras.look(data, self.index, time)
-        self._scanned = images.time
-        return Senses(None, truth, images=images), self.cameras.truth(data, self.index) if self.judged else None
+        given, image = self.imperfections, None
+        if self._camera_memory is None:
+            height_px, width_px = self.cameras.size(self.index)
+            self._camera_memory = camera_imperfections.begun(given, self.image_rng, height_px, width_px)
+        if camera_imperfections.due(given, self._camera_memory, time):
+            image = self.cameras.look(data, self.index, time, given.capture_offset_s)
+            if self.judged:
+                self._shown = self.cameras.truth(data, self.index)
+        images, self._camera_memory = camera_imperfections.seen(image, given, self._camera_memory, self.image_rng)
+        if images is not None:
+            self._scanned = images.time
+        return Senses(None, truth, images=images), self._shown
 
     def taken_for(self) -> tuple[Any, Any] | None:
         """The number of the colour that each pixel of its last images was taken for, (H, W) each; None where its
