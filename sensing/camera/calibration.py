@@ -1,6 +1,8 @@
 """Calibration: ranges of colour from labelled pixels, as the thesis had them from GIMP on images of its own.
 
-Of each channel, the range between two quantiles of the pixels that show the colour, and a margin on either side.
+Of each channel, the range between two quantiles of the pixels that show the colour, and a margin on either side. A
+rendered cone has one colour where a real one has many, so the margins are half the widths of the thesis's own ranges:
+what is calibrated is where the ranges lie.
 """
 
 from __future__ import annotations
@@ -12,14 +14,17 @@ from numpy.typing import NDArray
 
 from flocking.errors import InputError
 from flocking.types import Floats
-from sensing.camera.colours import HSV, RGB, TURN_DEG, Colour, Segmentation, checked
+from sensing.camera.colours import HSV, MONOCHROME, RGB, TURN_DEG, Colour, Segmentation, checked
 from sensing.camera.images import Picture
 from sensing.camera.segmentation import channels
 
 QUANTILE = 0.005
 """Choice: of each channel, one pixel in two hundred is left out at either end: blends at edges."""
-MARGINS = {RGB: (5.0, 5.0, 5.0), "monochrome": (3.0, 3.0, 3.0), HSV: (2.0, 0.02, 0.02)}
-"""Choice: levels, levels, and degrees and shares: some light that was not in the images."""
+MARGINS = {RGB: (25.0, 10.0, 20.0), MONOCHROME: (24.5, 12.7, 22.2), HSV: (7.5, 0.2, 0.25)}
+"""Half the widths of the published ranges (levels, levels, degrees and shares); the whole of those that end where the
+channel does: blue, which begins at 0, and saturation, which ends at 1; of values, down to the least one published."""
+NARROW = {RGB: (5.0, 5.0, 5.0), MONOCHROME: (3.0, 3.0, 3.0), HSV: (2.0, 0.02, 0.02)}
+"""Choice: for pixels that already show all light that is to be expected."""
 
 
 def calibrated(
@@ -59,6 +64,7 @@ def _range_of(name: str, kind: str, pixels: Floats, quantile: float, margin: Flo
     low = np.quantile(pixels, quantile, axis=0) - margin
     high = np.quantile(pixels, 1.0 - quantile, axis=0) + margin
     if kind == HSV:
+        high[1:] = 1.0  # as published: saturation and value have least values alone
         if low[0] < -TURN_DEG / 2.0 or (low[0] < 0.0 and high[0] < 0.0):
             low[0], high[0] = low[0] + TURN_DEG, high[0] + TURN_DEG
         if high[0] > TURN_DEG:

@@ -11,7 +11,7 @@ from functools import cache
 
 import numpy as np
 
-from sensing.camera.calibration import calibrated
+from sensing.camera.calibration import NARROW, calibrated
 from sensing.camera.colours import HSV, MONOCHROME, RGB, Colour, Segmentation
 
 MOST_ROBOTS = 12
@@ -23,11 +23,11 @@ DARKEST = 0.55
 """Choice: one cone a robot is looked for in light from this to 1: just above the published least value of 0.5."""
 
 CALIBRATED = {
-    RGB: Segmentation(RGB, (Colour("orange", (140.0, 25.0, 0.0), (255.0, 75.0, 15.0)),)),
-    MONOCHROME: Segmentation(MONOCHROME, (Colour("orange", (80.0, -60.0, -120.0), (150.0, -15.0, -55.0)),)),
-    HSV: Segmentation(HSV, (Colour("orange", (9.0, 0.85, 0.5), (20.0, 1.0, 1.0)),)),
+    RGB: Segmentation(RGB, (Colour("orange", (165.0, 37.0, 0.0), (215.0, 57.0, 20.0)),)),
+    MONOCHROME: Segmentation(MONOCHROME, (Colour("orange", (81.1, -50.1, -106.6), (130.2, -24.6, -62.1)),)),
+    HSV: Segmentation(HSV, (Colour("orange", (7.3, 0.8, 0.495), (22.4, 1.0, 1.0)),)),
 }
-"""Ranges by kind, from renderings of the orange cone at nominal light."""
+"""Ranges by kind, from renderings of the orange cone at nominal light: python -m scripts.calibrate_cones."""
 
 
 def rgb(robot: int) -> tuple[float, float, float]:
@@ -43,4 +43,5 @@ def one_each(kind: str, robots: int) -> Segmentation:
     names = tuple(f"robot {k}" for k in range(robots))
     blank = Segmentation(kind, tuple(Colour(name, (0.0,) * 3, (1.0,) * 3) for name in names))
     images = [np.round(255.0 * light[None, :, None] * np.array(rgb(k))).astype(np.uint8) for k in range(robots)]
-    return calibrated(blank, images, [np.full((1, len(light)), k + 1) for k in range(robots)])
+    masks = [np.full((1, len(light)), k + 1) for k in range(robots)]
+    return calibrated(blank, images, masks, margins=NARROW[kind])

@@ -13,7 +13,8 @@ from sensing.camera.images import Images
 from sensing.camera.lens import PINHOLE, Lens, column_angles, remap_tables
 
 RADIUS, HEIGHT = 0.0508, 0.1524
-ORANGE = (230, 58, 5)
+ORANGE = (190, 47, 0)
+"""As the cone is rendered at nominal light."""
 GREY = (120, 120, 120)
 YAW = math.radians(47.5)
 MOUNTS = ((0.10, 0.03, YAW), (0.10, -0.03, -YAW))

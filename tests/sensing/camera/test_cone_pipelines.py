@@ -171,7 +171,7 @@ def test_without_offset_distances_are_from_the_robots_centre():
 
 @pytest.mark.parametrize("kind", ["rgb", "monochrome", "hsv"])
 def test_published_and_calibrated_ranges_differ_by_row(kind):
-    """The drawn cone (230, 58, 5) is in the calibrated ranges and in the published HSV range, not in the RGB mask."""
+    """The drawn cone (190, 47, 0) is in the calibrated ranges and in the published HSV range, not in the RGB mask."""
     images, _ = pictures([at(0.8, 47.5)], LENS)
     assert len(run(cone_member_based, images, segmentation=kind).members.ids) == 1
     published = run(cone_member_based, images, segmentation=kind, ranges="published")

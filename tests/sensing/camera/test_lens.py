@@ -98,6 +98,13 @@ def test_rows_stay_where_they_are_and_labels_are_not_blended():
     tables = remap_tables(Lens())
     rows = np.repeat(np.arange(480, dtype=np.uint8)[:, None, None], 1152, axis=1).repeat(3, axis=2)
     np.testing.assert_array_equal(remap(rows, tables), rows[:, :640])
+    for lens in (Lens(), Lens(projection=PINHOLE)):
+        upright = remap_tables(lens)
+        picture = np.random.default_rng(2).integers(0, 256, (480, upright.rendered_width, 3), dtype=np.uint8)
+        for blend in (False, True):
+            np.testing.assert_array_equal(
+                remap(picture[::-1].copy(), upright, blend, bottom_up=True), remap(picture, upright, blend)
+            )
     owners = np.random.default_rng(1).integers(-1, 5, (480, 1152))
     made = remap_labels(owners, tables)
     assert made.shape == (480, 640)

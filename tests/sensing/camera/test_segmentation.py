@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from flocking.errors import InputError
-from sensing.camera.calibration import calibrated
+from sensing.camera.calibration import MARGINS, NARROW, calibrated
 from sensing.camera.colours import HSV, KINDS, MONOCHROME, PUBLISHED, RGB, Colour, Segmentation, checked
 from sensing.camera.segmentation import agreement, channels, hsv, matches, monochrome, segmented
 
@@ -164,7 +164,7 @@ def test_what_was_calibrated_finds_what_it_was_calibrated_on(kind):
     image = np.concatenate([np.full((10, 50, 3), 128, np.uint8), *(shaded(c, rng) for c in names.values())])
     mask = np.repeat([0, 1, 2, 3], [10, 40, 40, 40])[:, None].repeat(50, axis=1)
     blank = Segmentation(kind, tuple(Colour(n, (0.0,) * 3, (1.0,) * 3) for n in names))
-    made = calibrated(blank, [image], [mask])
+    made = calibrated(blank, [image], [mask], margins=NARROW[kind])
     assert [c.name for c in made.colours] == list(names)
     found, right = agreement([segmented(image, made)], [mask])
     assert found > 0.97
@@ -181,9 +181,24 @@ def test_a_red_that_goes_through_zero_is_calibrated_in_one_piece():
     rng = np.random.default_rng(9)
     image = np.concatenate([shaded((250, 10, 25), rng), shaded((250, 25, 10), rng)])
     blank = Segmentation(HSV, (Colour("red", (0.0,) * 3, (1.0,) * 3),))
-    (red,) = calibrated(blank, [image], [np.ones(image.shape[:2], int)]).colours
+    (red,) = calibrated(blank, [image], [np.ones(image.shape[:2], int)], margins=NARROW[HSV]).colours
     assert red.low[0] < 0 < red.high[0]
     assert red.high[0] - red.low[0] < 20
+
+
+def test_what_is_calibrated_on_one_colour_is_as_wide_as_published():
+    """All of a channel that the range is cut off by apart: blue below 0, saturation and value above 1."""
+    for kind in KINDS:
+        image = np.full((3, 3, 3), (190, 47, 0), np.uint8)
+        (made,) = calibrated(PUBLISHED[kind], [image], [np.ones((3, 3), int)]).colours
+        published = np.subtract(PUBLISHED[kind].colours[0].high, PUBLISHED[kind].colours[0].low)
+        width = np.subtract(made.high, made.low)
+        if kind == HSV:
+            assert width[:2] == pytest.approx(published[:2])
+            assert made.low[2] == pytest.approx(0.5, abs=0.01)
+        else:
+            assert width == pytest.approx(published, abs=0.5)
+            assert 2 * np.array(MARGINS[kind])[:2] == pytest.approx(published[:2], abs=0.5)
 
 
 def test_calibration_without_pixels_or_with_masks_of_another_size_is_refused():
