@@ -98,6 +98,8 @@ def test_the_pinholes_bias_as_numbers():
 
     assert [round(100 * bias(f, 0.0)) for f in (0.5, 1, 3, 6)] == BIAS_CENTRE
     assert [round(100 * bias(f, AHEAD)) for f in (0.5, 1, 3, 6)] == BIAS_AHEAD
+    lens = Lens(projection=EQUAL_ANGLE)
+    assert [bias(f, AHEAD) for f in (0.5, 1, 3, 6)] == pytest.approx([-0.042, -0.012, -0.002, -0.0004], abs=6e-4)
 
 
 BIAS_CENTRE = [92, 86, 80, 78]
