@@ -13,6 +13,7 @@ import os
 import shutil
 import stat
 import tempfile
+import warnings
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
@@ -92,8 +93,12 @@ def _own(folder: Path) -> bool:
 os.environ["NUMBA_CACHE_DIR"] = str(cache_folder())
 
 import numba  # noqa: E402 (the cache's folder must be set before Numba is imported)
+from numba.core.errors import NumbaExperimentalFeatureWarning  # noqa: E402
 
 from flocking.compiled_cache import compiled_now, kept_between_runs  # noqa: E402 (it imports Numba)
+
+# a record that begins with all fields of another may stand for it: bodies' fleets and their gears
+warnings.filterwarnings("ignore", category=NumbaExperimentalFeatureWarning)
 
 
 def _kept(function: Callable[..., Any]) -> bool:

@@ -42,6 +42,10 @@ Judge = Callable[[Floats, Ints, Ints], Judged]
 """Points (C, d), their levels (C,), and their cells (C, d), which name their random numbers: what came of them."""
 
 
+class StoppedError(Exception):
+    """Somebody wants no more configurations judged: a map ends with the iterations before."""
+
+
 @dataclass(frozen=True)
 class ParameterMap:
     """C configurations of a box, in the order in which they were judged."""
@@ -91,7 +95,8 @@ def refined(
     """The map of the first iteration's grid and of so many refinements around successful configurations.
 
     `budget`: most configurations, 0 = any number. Where it does not reach for a level, those that it does reach for are
-    drawn at random, so that no part of the space is preferred, and the map ends there.
+    drawn at random, so that no part of the space is preferred, and the map ends there. A `StoppedError` of `judge` ends
+    it with the iterations before; in the first one it is raised on.
     """
     for level in (0, refinements):
         box.shape(level)
@@ -114,7 +119,12 @@ def refined(
         if short:
             picked = np.sort(rng.permutation(len(children))[: budget - done])
             children, deeper = children[picked], deeper[picked]
-        judged = judge(_middles(box, children, deeper), deeper, children)
+        try:
+            judged = judge(_middles(box, children, deeper), deeper, children)
+        except StoppedError:
+            if not parts:
+                raise
+            break
         parts.append((deeper, children, judged))
         done += len(children)
         leaves, levels = np.concatenate([leaves, children]), np.concatenate([levels, deeper])

@@ -162,7 +162,10 @@ def _round(arcs: list[Any], closed: bool, scale: float) -> Circle | Arc | None:
 
 
 def _mark(made: Primitive, element: Any) -> Mark:
-    """A marker: what was drawn, or, where its `data-kind` is point, the place and direction of a line."""
+    """A marker: what was drawn, or, where its `data-kind` is point, the place and direction of a line, or the middle of
+    a circle, whose direction is along x."""
+    if element.values.get("data-kind") == "point" and isinstance(made, Circle):
+        return Point(made.x_m, made.y_m)
     if element.values.get("data-kind") == "point" and isinstance(made, Segment):
         return Point(made.x0_m, made.y0_m, math.atan2(made.y1_m - made.y0_m, made.x1_m - made.x0_m))
     return made

@@ -32,6 +32,7 @@ from trials.commands.arguments import (
     jobs_of,
     whole,
 )
+from trials.commands.stopping import StoppedError
 
 app = typer.Typer(
     name="herd",
@@ -319,7 +320,7 @@ def main() -> int:
         return _refuse(str(error))
     except (KeyboardInterrupt, typer.Abort):
         return _stopped("")
-    except _StoppedError as stop:
+    except StoppedError as stop:
         return _stopped(f"; {stop}")
     except typer.TyperException as error:
         return _refuse(_told(error.format_message()))
@@ -357,10 +358,6 @@ def _commands() -> list[Any]:
     return list(typer.main.get_group(app).commands.values())
 
 
-class _StoppedError(Exception):
-    """Ctrl-C ended a command; the message says what is missing. Typer would take a KeyboardInterrupt for itself."""
-
-
 def _stopped(told: str) -> int:
     print(f"herd: stopped{told}", file=sys.stderr)
     return 130
@@ -380,7 +377,7 @@ def _report(folder: Path, as_json: bool = False, experiment: str | None = None) 
     except KeyboardInterrupt:
         file = ["--experiment", experiment] if experiment is not None else []
         again = command("report", str(folder), *file, *(["--json"] if as_json else []))
-        raise _StoppedError(f"the report of {folder} is not complete; make it with: {again}") from None
+        raise StoppedError(f"the report of {folder} is not complete; make it with: {again}") from None
 
 
 def _run_folder(folder: Path | None) -> Path:

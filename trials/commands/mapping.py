@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from flocking.errors import InputError
+from trials.commands.stopping import StoppedError
 
 if TYPE_CHECKING:
     from generation.maps.judging import Control
@@ -56,6 +57,7 @@ def map_(asked: Asked) -> None:
 
 
 def _make(asked: Asked) -> None:
+    from generation import found as schemas
     from generation.found import is_path
     from trials import simulations
     from trials.batch.folders import write_whole
@@ -63,6 +65,8 @@ def _make(asked: Asked) -> None:
     from trials.simulations.maps import fields, loop
     from trials.simulations.maps.measures import ABOUT, measure
 
+    if not is_path(asked.schema):
+        schemas.load(asked.schema)  # unknown names are refused as those of schemas, not of a trial's worlds
     trial = _trial(asked)
     simulations.check(trial)
     chosen = fields.chosen_by(trial)
@@ -70,11 +74,11 @@ def _make(asked: Asked) -> None:
     users = [name for name in (asked.law, asked.schema, asked.behaviour or "") if is_path(name)]
     if users:  # their code may never return: it runs in a process that can be ended
         try:
-            ((made, flips, alone),) = in_order(mapped, [(trial,)], 1, law_limit_s=LAW_LIMIT_S)
+            ((made, flips, alone, stopped),) = in_order(mapped, [(trial,)], 1, law_limit_s=LAW_LIMIT_S)
         except InputError as error:
             raise InputError(f"{' or '.join(map(repr, users))}: {error}") from None
     else:
-        made, flips, alone = mapped(trial)
+        made, flips, alone, stopped = mapped(trial, keeps=True)
     measured = {name: value for name, value in measure(made, chosen.within, alone).items() if math.isfinite(value)}
     asked.out.mkdir(parents=True)
     write_whole(asked.out / TABLE, _table(made).encode())
@@ -85,14 +89,20 @@ def _make(asked: Asked) -> None:
         unit = f" {ABOUT[name].unit}" if ABOUT[name].unit else ""
         print(f"{name:20} {f'{value:.4g}{unit}':12} {ABOUT[name].text}")
     print(f"results              {asked.out}")
+    if stopped:
+        raise StoppedError(
+            f"the map has {len(made.points)} configurations, of the iterations that were done: {asked.out}"
+        )
 
 
-def mapped(trial: Trial) -> tuple[ParameterMap, dict[str, Any], Control]:
-    """The map of a trial, its two nearest environments of opposite outcomes, and what the herd does without any; tells
-    each iteration as it ends."""
+def mapped(trial: Trial, keeps: bool = False) -> tuple[ParameterMap, dict[str, Any], Control, bool]:
+    """The map of a trial, its two nearest environments of opposite outcomes, what the herd does without any, and
+    whether Ctrl-C ended it before its time; tells each iteration as it ends. `keeps`: Ctrl-C keeps the iterations
+    before."""
     import flocking.kinematic.kernel  # noqa: F401 (its import compiles it: here, since no watch is on yet)
     from flocking import users_files
     from flocking.kinematic import LawFailedError
+    from generation.maps import trees
     from generation.maps.judging import control
     from trials.simulations import watch
     from trials.simulations.maps import fields, loop
@@ -108,8 +118,11 @@ def mapped(trial: Trial) -> tuple[ParameterMap, dict[str, Any], Control]:
         judging = loop.judging_of(trial, chosen)
         try:
             with watch.watched():
-                made = loop.mapped(trial, chosen, judging, watch.breathe, told)
-                return made, loop.flipped(judging, made), control(judging, made)
+                stops: list[bool] = []
+                made = loop.mapped(trial, chosen, judging, watch.breathe, told, stops if keeps else None)
+                return made, loop.flipped(judging, made), control(judging, made), bool(stops)
+        except trees.StoppedError:
+            raise KeyboardInterrupt from None
         except LawFailedError as error:
             raise InputError(" ".join(str(error).split())) from None
 

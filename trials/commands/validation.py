@@ -240,6 +240,17 @@ def _written(out: Path | None, columns: Sequence[str] = COLUMNS) -> Iterator[Any
             file.write("[]\n" if separator == "[\n" else "\n]\n")
 
 
+def named(paths: Sequence[Path]) -> list[str]:
+    """What each file is called in a table: its name, with as many of its folders as tell it from the others."""
+    absolute = [path.resolve().with_suffix("").parts for path in paths]
+    found = []
+    for parts in absolute:
+        others = [each for each in absolute if each != parts]
+        kept = next((n for n in range(1, len(parts)) if all(each[-n:] != parts[-n:] for each in others)), len(parts))
+        found.append("/".join(parts[-kept:]))
+    return found
+
+
 def _print(console: Any, paths: Sequence[Path], found: Sequence[Validated]) -> None:
     from rich import box
     from rich.table import Table
@@ -247,10 +258,11 @@ def _print(console: Any, paths: Sequence[Path], found: Sequence[Validated]) -> N
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     for column in ("environment", "fitness", "success", "empty world", "uplift", "95 %"):
         table.add_column(column, justify="left" if column == "environment" else "right")
+    names = named(paths)
     for one in found:
         uplift = one.uplift
         table.add_row(
-            paths[one.number].stem,
+            names[one.number],
             f"{one.fitness.mean():.2f}",
             f"{one.succeeded.sum()} of {len(one.succeeded)}",
             f"{one.control_succeeded.sum()} of {len(one.control_succeeded)}",
@@ -287,9 +299,10 @@ def _print_robustness(
     table.add_column("environment")
     for kind in (*kinds, "mean uplift"):
         table.add_column(kind, justify="right")
+    names = named(paths)
     for one in ranked(found):
         table.add_row(
-            paths[one.number].stem, *(_perturbed(one.kinds[kind]) for kind in kinds), f"{one.mean:+.2f}"
+            names[one.number], *(_perturbed(one.kinds[kind]) for kind in kinds), f"{one.mean:+.2f}"
         )  # fmt: skip
     console.print(table)
 

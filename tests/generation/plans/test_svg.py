@@ -15,7 +15,7 @@ from flocking.errors import InputError
 from generation import plans
 from generation.environment import Environment
 from generation.plans import units
-from generation.primitives import BOTH, SAGITTA_M, Arc, Circle, Polygon, Polyline, Segment, segments
+from generation.primitives import BOTH, SAGITTA_M, Arc, Circle, Point, Polygon, Polyline, Segment, segments
 
 SIZE = 'width="10000mm" height="5000mm" viewBox="0 0 10000 5000"'
 """A sheet of ten by five metres, in millimetres."""
@@ -218,3 +218,16 @@ def test_other_files_are_refused(tmp_path: Path) -> None:
         plans.read(tmp_path / "plan.svg")
     with pytest.raises(InputError, match="does not exist"):
         plans.read(tmp_path / "none.svg")
+
+
+def test_a_marker_is_a_point_where_it_says_so(tmp_path: Path) -> None:
+    markers = drawn(
+        tmp_path,
+        '<line x1="0" y1="0" x2="4000" y2="0" stroke="black"/><g id="markers" stroke="blue">'
+        '<circle id="start" data-kind="point" cx="1000" cy="3000" r="100"/>'
+        '<circle id="area" cx="3000" cy="3000" r="500"/></g>',
+    ).markers
+    start = markers["start"]
+    assert isinstance(start, Point)
+    assert (start.x_m, start.heading_rad) == pytest.approx((1.0, 0.0))
+    assert isinstance(markers["area"], Circle)

@@ -5,10 +5,13 @@ from __future__ import annotations
 import csv
 import json
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
 
 from trials.commands import cli, mapping
+from trials.simulations.maps import loop
 
 QUICK = ["--grid", "2", "--refinements", "1", "--members", "2", "--set", "pairs=1", "--set", "iterations=3"]
 OWN = '''
@@ -129,3 +132,41 @@ def test_a_law_that_hangs_ends_the_map_in_one_line(
     assert "a law did not return within 2 s of processor time" in error
     assert error.count("\n") == 1
     assert not out.exists()
+
+
+def test_ctrl_c_keeps_the_iterations_that_are_done(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    judge, calls = loop.judge, list[int]()
+
+    def stopped_in_the_second(*given: Any) -> Any:
+        calls.append(1)
+        if len(calls) > 1:
+            raise KeyboardInterrupt
+        judged = judge(*given)
+        return judged._replace(successes=judged.trials * (np.arange(len(judged.trials)) % 2))  # edges to refine
+
+    monkeypatch.setattr(loop, "judge", stopped_in_the_second)
+    out = tmp_path / "map"
+    assert herd(monkeypatch, "map", "dirt", *QUICK, "--out", str(out)) == 130
+    assert capsys.readouterr().err.splitlines()[-1].startswith("herd: stopped; the map has 4 configurations")
+    assert json.loads((out / "map.json").read_text())["measures"]["configurations"] == 4
+    assert (out / "figures" / "map.png").is_file()
+
+
+def test_ctrl_c_in_the_first_iteration_keeps_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def stopped(*given: Any) -> Any:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(loop, "judge", stopped)
+    assert herd(monkeypatch, "map", "dirt", *QUICK, "--out", str(tmp_path / "map")) == 130
+    assert not (tmp_path / "map").exists()
+
+
+def test_an_unknown_schema_is_called_one(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert herd(monkeypatch, "map", "dirtt", "--out", str(tmp_path / "map")) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert "unknown schema 'dirtt'" in line
+    assert "dirt" in line.partition("dirtt")[2]

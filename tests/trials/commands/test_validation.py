@@ -13,7 +13,7 @@ from generation import files
 from generation.environment import Environment
 from generation.exports import svg
 from generation.primitives import Point, Segment
-from trials.commands import cli
+from trials.commands import cli, validation
 from trials.environments import blocks
 
 WEDGE = Environment(
@@ -190,3 +190,8 @@ def test_plans_of_other_formats_are_environments_too(
     (tmp_path / "plan.svg").write_text(svg.to_svg(WEDGE), encoding="utf-8")
     given = [str(tmp_path / "plan.svg"), "--behaviour", "simple-split", *GROUP, "--set", "starts.side_m=20"]
     assert herd(monkeypatch, capsys, *given)[0] == 0
+
+
+def test_files_of_one_name_in_two_folders_are_told_apart() -> None:
+    paths = [Path("a/1.json"), Path("b/1.json"), Path("b/2.json")]
+    assert validation.named(paths) == ["a/1", "b/1", "2"]

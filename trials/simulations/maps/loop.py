@@ -18,7 +18,7 @@ from generation.environment import Environment
 from generation.group import Job
 from generation.maps.flips import flip
 from generation.maps.judging import Judging, control, jobs_of, judge
-from generation.maps.trees import Judged, ParameterMap, refined, scattered
+from generation.maps.trees import Judged, ParameterMap, StoppedError, refined, scattered
 from trials.simulations import watch
 from trials.simulations.environments.loop import poses_of
 from trials.simulations.environments.members import Members
@@ -80,13 +80,24 @@ def mapped(
     judging: Judging,
     breathe: Callable[[int], None],
     told: Callable[[Judged], None] = lambda judged: None,
+    stops: list[bool] | None = None,
 ) -> ParameterMap:
-    """The map of a trial. `breathe` is called for each configuration; `told` is given each iteration's outcomes."""
+    """The map of a trial. `breathe` is called for each configuration; `told` is given each iteration's outcomes.
+
+    With a list `stops`, to which true is then added, Ctrl-C ends the map with the iterations before, or, in the first
+    one, raises `StoppedError`.
+    """
     given, box = fields.of_trial(trial), chosen.box
     rng = stream(trial.seed, trial.repeat, 0, 0, Purpose.PARAMETERS)
 
     def judged(points: Floats, levels: Ints, cells: Ints) -> Judged:
-        found = judge(judging, box, points, levels, cells, breathe)
+        try:
+            found = judge(judging, box, points, levels, cells, breathe)
+        except KeyboardInterrupt:
+            if stops is None:
+                raise
+            stops.append(True)
+            raise StoppedError from None
         told(found)
         return found
 
