@@ -17,6 +17,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from flocking.compilation import borrowing
 from flocking.parameters import Parameter
 from flocking.types import Floats
 from sensing.camera.images import Images, Picture
@@ -184,8 +185,15 @@ def lit(picture: Picture, factor: float) -> Picture:
     if factor == 1.0:
         return picture
     table = np.clip(np.round(np.arange(256) * factor), 0, 255).astype(np.uint8)
-    made: Picture = cv2.LUT(picture, table)
+    made = np.empty_like(picture)
+    _look_up(np.ascontiguousarray(picture).ravel(), table, made.ravel())
     return made
+
+
+@borrowing
+def _look_up(values: NDArray[np.uint8], table: NDArray[np.uint8], made: NDArray[np.uint8]) -> None:
+    for k in range(len(values)):
+        made[k] = table[values[k]]
 
 
 def with_glare(picture: Picture, row: float, column: float, levels: float, size_px: float) -> Picture:
@@ -194,10 +202,9 @@ def with_glare(picture: Picture, row: float, column: float, levels: float, size_
     top, bottom = (int(min(max(v, 0), picture.shape[0])) for v in (row - reach, row + reach + 1))
     left, right = (int(min(max(v, 0), picture.shape[1])) for v in (column - reach, column + reach + 1))
     rows, columns = np.arange(top, bottom) + 0.5 - row, np.arange(left, right) + 0.5 - column
-    spot = levels * np.outer(np.exp(-((rows / size_px) ** 2) / 2.0), np.exp(-((columns / size_px) ** 2) / 2.0))
     made = picture.copy()
-    part = made[top:bottom, left:right]
-    part[:] = np.clip(np.round(part + spot[..., None]), 0, 255).astype(np.uint8)
+    down, across = levels * np.exp(-((rows / size_px) ** 2) / 2.0), np.exp(-((columns / size_px) ** 2) / 2.0)
+    _brighten(made[top:bottom, left:right], down, across)
     return made
 
 
@@ -213,6 +220,22 @@ def noisy(picture: Picture, pool: NDArray[np.int16], shift: int) -> Picture:
     """The image with a piece of the pool of noise added, which begins at `shift`."""
     if not len(pool):
         return picture
-    noise = pool[shift : shift + picture.size].reshape(picture.shape)
-    made: Picture = cv2.add(picture.astype(np.int16), noise)
-    return np.clip(made, 0, 255).astype(np.uint8)
+    made = np.empty_like(picture)
+    _add(np.ascontiguousarray(picture).ravel(), pool[shift : shift + picture.size], made.ravel())
+    return made
+
+
+@borrowing
+def _add(values: NDArray[np.uint8], noise: NDArray[np.int16], made: NDArray[np.uint8]) -> None:
+    for k in range(len(values)):
+        made[k] = np.uint8(min(max(np.int16(values[k]) + noise[k], 0), 255))
+
+
+@borrowing
+def _brighten(part: Picture, down: Floats, across: Floats) -> None:
+    """Adds the product of `down` (H,) and `across` (W,) to all channels of a part (H, W, 3) of an image."""
+    for i in range(part.shape[0]):
+        for j in range(part.shape[1]):
+            more = down[i] * across[j]
+            for k in range(3):
+                part[i, j, k] = np.uint8(min(math.floor(part[i, j, k] + more + 0.5), 255.0))
