@@ -92,17 +92,20 @@ def flips(tables: Mapping[str, NDArray[Any]], map_: ParameterMap) -> Canvas:
     return canvas
 
 
-def deviations(map_: ParameterMap) -> Canvas:
-    """The deviations along x of all configurations on one line (figure 7.14), and how many there are of each."""
-    canvas, (line, counts) = grid(2, 1, width=9.6, height=1.6, share=False)
-    values = map_.judged.x_deviation[map_.possible]
-    line.plot(values, np.ones(len(values)), "|", color="#0072b2", ms=12, mew=0.4, alpha=0.5)
-    line.set_yticks([])
-    counts.hist(values, bins=40, color="#0072b2")
-    counts.set_xlabel("standard deviation along x at the end (m)")
-    counts.set_ylabel("configurations")
-    for axis in (line, counts):
-        axis.set_xlim(0.0, 1.05 * float(values.max(initial=0.1)))
+def deviations(panels: Sequence[tuple[str, ParameterMap]]) -> Canvas:
+    """Two rows a map: the deviations along x of all configurations on one line (figure 7.14), and how many of each."""
+    canvas, axes = grid(2 * len(panels), 1, width=9.6, height=1.6, share=False)
+    every = [map_.judged.x_deviation[map_.possible] for _, map_ in panels]
+    widest = 1.05 * max(float(values.max(initial=0.1)) for values in every)
+    for (title, _), values, line, counts in zip(panels, every, axes[::2], axes[1::2], strict=True):
+        line.set_title(title, loc="left")
+        line.plot(values, np.ones(len(values)), "|", color="#0072b2", ms=12, mew=0.4, alpha=0.5)
+        line.set_yticks([])
+        counts.hist(values, bins=40, range=(0.0, widest), color="#0072b2")
+        counts.set_ylabel("configurations")
+        for axis in (line, counts):
+            axis.set_xlim(0.0, widest)
+    axes[-1].set_xlabel("standard deviation along x at the end (m)")
     return canvas
 
 

@@ -21,6 +21,7 @@ from trials.studies.maps.design import (
     ANCHOR,
     COUNT,
     FEW,
+    IN_A_LINE,
     MEMBERS,
     METHOD,
     REFINEMENTS,
@@ -73,26 +74,27 @@ def of_sampling(run: Run) -> list[Entry]:
 
 
 def of_dsdr(run: Run) -> list[Entry]:
-    """Both claims on DSDR."""
+    """Both claims on DSDR, which are on ten members."""
 
     def questions(cells: Cells) -> list[Question]:
         most, few = f"share of the configurations above {MOST:g}", f"share of the configurations below {ONLY_A_FEW:g}"
+        deviation = f"deviation along x of {IN_A_LINE} members"
         return [
-            _claim("dsdr_map", 1, "deviation along x from 1.5 to 4.0 m", most, partial(_typical, cells)),
-            _claim("dsdr_map", 2, "deviation along x below 0.5 m", few, partial(_lines, cells)),
+            _claim("dsdr_map", 1, f"{deviation} from 1.5 to 4.0 m", most, partial(_typical, cells)),
+            _claim("dsdr_map", 2, f"{deviation} below 0.5 m", few, partial(_lines, cells)),
         ]
 
-    return answers(run, (), questions)
+    return answers(run, (COUNT,), questions)
 
 
 def of_sirt(run: Run) -> list[Entry]:
-    """The claim on rule 3."""
+    """The claim on rule 3, which is on seven members."""
 
     def questions(cells: Cells) -> list[Question]:
         test = f"rank correlation of success with the probability of rule 3, first iteration, above {TREND:g}"
-        return [_claim("sirt_map", 1, "success and rule 3", test, partial(_third, cells))]
+        return [_claim("sirt_map", 1, "success of seven members and rule 3", test, partial(_third, cells))]
 
-    return answers(run, (), questions)
+    return answers(run, (COUNT,), questions)
 
 
 def of_both(run: Run) -> list[Entry]:
@@ -180,18 +182,18 @@ def _sampling(cells: Cells) -> list[Outcome]:
 
 
 def _typical(cells: Cells) -> list[Outcome]:
-    share = cells.array("x_deviation_within")
+    share = cells.array("x_deviation_within", IN_A_LINE)
     return [above("share of the configurations", share, MOST, MARGIN, bounds=(0.0, 1.0))]
 
 
 def _lines(cells: Cells) -> list[Outcome]:
-    share = cells.array("x_deviation_below")
+    share = cells.array("x_deviation_below", IN_A_LINE)
     label = "share of the configurations that are not"
     return [above(label, 1.0 - share, 1.0 - ONLY_A_FEW, ONLY_A_FEW, bounds=(0.0, 1.0))]
 
 
 def _third(cells: Cells) -> list[Outcome]:
-    return [more("rank correlation", cells.array("trend_rest"), TREND)]
+    return [more("rank correlation", cells.array("trend_rest", MEMBERS), TREND)]
 
 
 def _number(cells: Cells) -> list[Outcome]:

@@ -13,6 +13,10 @@ from trials.types import Trial, Value, with_setup
 
 COUNT, ANCHOR, REFINEMENTS, METHOD, WORLD = "herd.count", "world.anchor", "refinements", "method", "world"
 SOLITARY, FEW, MEMBERS = 1, 3, 7
+IN_A_LINE = 10
+"""Members of figure 7.14, which are to draw themselves into a line."""
+SIZES = SOLITARY, FEW, MEMBERS
+"""Group sizes at which every map is drawn, beside the one that was published."""
 STEPS = 150
 """Of a herd in the T-junction: 15 m, where 8 m lead to the goal line, and 26 m by the end of the other arm."""
 GRID = "8, 4"

@@ -74,27 +74,30 @@ def of_dsdr(run: Run, folder: Path) -> list[Figure]:
     """Figure 7.14."""
 
     def drawn(run: Run, place: Place) -> list[Figure]:
-        ((_, map_),) = _maps(run, [("", {})])
-        if map_ is None:
+        panels = [(title, map_) for title, map_ in _by_size(run) if map_ is not None]
+        if not panels:
             return []
-        caption = "As figure 7.14 of Fine 2015, which has them along the line y = 1; mean of each one's simulations."
-        return [draw.save(maps.deviations(map_), place, "deviations", "Deviations along x", caption)]
+        caption = (
+            "As figure 7.14 of Fine 2015, which has them for ten members along the line y = 1; mean of each one's "
+            "simulations. A member alone has no deviation."
+        )
+        return [draw.save(maps.deviations(panels), place, "deviations", "Deviations along x", caption)]
 
-    return by_arm(run, folder, (), drawn)
+    return by_arm(run, folder, (COUNT,), drawn)
 
 
 def of_sirt(run: Run, folder: Path) -> list[Figure]:
     """Figure 8.1 and its surface."""
 
     def drawn(run: Run, place: Place) -> list[Figure]:
-        panels = _maps(run, [("SIRT, anchor 4", {})])
+        panels = [(f"SIRT, anchor 4{title and f', {title}'}", map_) for title, map_ in _by_size(run)]
         caption = f"{STYLE} As figure 8.1 of Fine 2015. What both rules leave to one is the probability of rule 3."
         return [
-            draw.save(maps.marks(panels), place, "rules", "SIRT's rules 1 and 2", caption),
+            draw.save(maps.marks(panels, 3), place, "rules", "SIRT's rules 1 and 2", caption),
             draw.save(maps.surfaces(panels), place, "surfaces", "Probability of a right turn", SMOOTHED, dots=True),
         ]
 
-    return by_arm(run, folder, (), drawn)
+    return by_arm(run, folder, (COUNT,), drawn)
 
 
 def of_both(run: Run, folder: Path) -> list[Figure]:
@@ -113,6 +116,12 @@ def of_both(run: Run, folder: Path) -> list[Figure]:
 
 def _members(count: int) -> str:
     return f"{count} member{'s' if count > 1 else ''}"
+
+
+def _by_size(run: Run) -> list[tuple[str, ParameterMap | None]]:
+    """The map of each group size that a run varies, in the order of its trials; else its only one, without a title."""
+    counts = list(dict.fromkeys(trial.conditions[COUNT] for trial in run.trials if COUNT in trial.conditions))
+    return _maps(run, [(_members(count), {COUNT: count}) for count in counts] or [("", {})])
 
 
 def _maps(run: Run, wanted: Sequence[tuple[str, Mapping[str, Any]]]) -> list[tuple[str, ParameterMap | None]]:
