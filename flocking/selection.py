@@ -288,7 +288,10 @@ def select(steps: Sequence[Chosen], members: Members, linked: Bools | None = Non
     `linked` (M,): which members the group's graph joins to the focal one, for `fixed-set` without numbers.
     """
     mask = everyone(members)
-    for step, given in steps:
+    for number, (step, given) in enumerate(steps):
+        if number == 0 and step is not Step.GRAPH:  # sees everybody: nobody is left out yet
+            mask = _BY_STEP[step].function(members, *given)
+            continue
         kept = np.flatnonzero(mask)
         if step is Step.GRAPH:
             if linked is None:

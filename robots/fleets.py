@@ -25,11 +25,17 @@ def fleet_of(model: mujoco.MjModel, bodies: Sequence[Body], prefixes: Sequence[s
     return MixedFleet(fleets, [np.array(of, dtype=np.int64) for of in members.values()])
 
 
+def _rows(numbers: Ints) -> Ints | slice:
+    """These rows of an array: as a slice where they follow one another, which NumPy fills in a third of the time."""
+    first, count = int(numbers[0]), len(numbers)
+    return slice(first, first + count) if (np.diff(numbers) == 1).all() else numbers
+
+
 class MixedFleet:
     """Several fleets as one: robot `numbers[f][i]` of the world is robot i of fleet f."""
 
     def __init__(self, fleets: Sequence[Fleet], numbers: Sequence[Ints]) -> None:
-        self.fleets, self.numbers = tuple(fleets), tuple(numbers)
+        self.fleets, self.numbers = tuple(fleets), tuple(_rows(of) for of in numbers)
         count = sum(len(of) for of in numbers)
         self.root_bodies: Ints = np.zeros(count, dtype=np.int64)
         self._place: list[tuple[Fleet, int]] = [(fleets[0], 0)] * count

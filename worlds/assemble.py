@@ -77,7 +77,8 @@ class World:
     def standing_w(self) -> Floats:
         """(W, 4) all walls that stand now: segments x0, y0, x1, y1, m."""
         up = self.standing.up
-        return np.concatenate([self.walls.all, self.standing.segments[up]]) if up.any() else self.walls.all
+        stand = len(up) > 0 and up.any()
+        return np.concatenate([self.walls.all, self.standing.segments[up]]) if stand else self.walls.all
 
     def advance(self, to: int) -> None:
         """Steps physics until tick `to`: wheel ramps before every step, encoders and contacts after it."""

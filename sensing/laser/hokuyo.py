@@ -152,6 +152,9 @@ class Lasers:
         ids = [_site_id(model, name) for name in sites]
         self.site_ids = tuple(ids)
         self._unmarked = np.flatnonzero(~np.array(marked, dtype=np.bool_))
+        self._truly: Ints = np.arange(len(roots) + 1)
+        """(N + 1,) whom each owner of a reading counts as; the last is nobody."""
+        self._truly[self._unmarked] = self._truly[-1] = NOBODY
         data = reference_pose(model)
         heights = [float(data.site_xpos[site][2]) for site in ids]
         for site, height, root, k in zip(ids, heights, self.roots, range(len(ids)), strict=True):
@@ -288,7 +291,7 @@ class Lasers:
         )
         self._expect_level(fallen)
         if len(self._unmarked):
-            owners[np.isin(owners, self._unmarked)] = NOBODY
+            owners = self._truly[owners]
             lit[self._unmarked] = 0
         reading = Scan(time, ANGLES, ranges, NO_INTENSITIES if intensity_draws is None else intensities)
         return reading, ScanTruth(owners, distances if exact else _NOTHING, lit)

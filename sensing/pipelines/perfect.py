@@ -17,6 +17,7 @@ robot in view that is not marked as a member.
 from __future__ import annotations
 
 import math
+from functools import cache
 from typing import Annotated, NamedTuple
 
 import mujoco
@@ -25,7 +26,7 @@ import numpy as np
 from flocking.angles import wrap
 from flocking.compilation import compiled
 from flocking.parameters import Parameter
-from flocking.types import Floats, Ints, Members, Obstacles, Own, only
+from flocking.types import Bools, Floats, Ints, Members, Obstacles, Own
 from sensing.types import Detection, Senses
 
 READS = frozenset({"truth"})
@@ -60,27 +61,23 @@ def detect(senses: Senses, own: Own, state: Parameters) -> tuple[Detection, Para
     """One row a member in view, in the order of their indices; one obstacle a wall in view."""
     truth = senses.truth
     assert truth is not None
-    obstacles = _walls(truth.poses_w[truth.focal], truth.walls_w, float(state.field_of_view_rad), float(state.range_m))
-    members = Members(
-        *_detect(
-            truth.poses_w,
-            truth.velocities_w,
-            truth.radii,
-            truth.focal,
-            truth.walls_w,
-            float(state.field_of_view_rad),
-            float(state.range_m),
-            bool(state.occlusion),
-        )
+    *found, obstacles = _detect(
+        truth.poses_w,
+        truth.velocities_w,
+        truth.radii,
+        _all_marked(len(truth.radii)) if truth.marked is None else truth.marked,
+        truth.focal,
+        truth.walls_w,
+        float(state.field_of_view_rad),
+        float(state.range_m),
+        bool(state.occlusion),
     )
-    if truth.marked is None or truth.marked.all():
-        return Detection(members, Obstacles(obstacles), NO_BEAMS), state
-    known = truth.marked[members.ids]
-    others = only(members, np.flatnonzero(~known))
-    distances = np.hypot(*others.positions.T)
-    nearer = np.maximum(distances - truth.radii[others.ids], 0.0) / np.maximum(distances, 1e-9)
-    obstacles = np.concatenate([obstacles, others.positions * nearer[:, None]])
-    return Detection(only(members, np.flatnonzero(known)), Obstacles(obstacles), NO_BEAMS), state
+    return Detection(Members(*found), Obstacles(obstacles), NO_BEAMS), state
+
+
+@cache
+def _all_marked(robots: int) -> Bools:
+    return np.ones(robots, dtype=np.bool_)
 
 
 @compiled
@@ -88,12 +85,14 @@ def _detect(
     poses_w: Floats,
     velocities_w: Floats,
     radii: Floats,
+    marked: Bools,
     focal: int,
     walls_w: Floats,
     field_of_view: float,
     reach: float,
     occlusion: bool,
-) -> tuple[Floats, Floats, Floats, Floats, Ints]:
+) -> tuple[Floats, Floats, Floats, Floats, Ints, Floats]:
+    """The fields of the members (M,), and the obstacles (K, 2): those of the walls first, then unmarked robots."""
     robots = len(poses_w)
     heading = poses_w[focal, 2]
     cosine, sine = math.cos(heading), math.sin(heading)
@@ -109,12 +108,21 @@ def _detect(
             walls[w, end] = cosine * x + sine * y
             walls[w, end + 1] = cosine * y - sine * x
 
+    obstacles = np.empty((len(walls_w) + robots, 2))
+    surfaces = _walls(poses_w[focal], walls_w, field_of_view, reach, obstacles)
     seen = np.empty(robots, np.int64)
     count = 0
     for k in range(robots):
-        if k != focal and _in_view(k, focal, positions, radii, walls, field_of_view, reach, occlusion):
+        if k == focal or not _in_view(k, focal, positions, radii, walls, field_of_view, reach, occlusion):
+            continue
+        if marked[k]:
             seen[count] = k
             count += 1
+            continue
+        distance = math.hypot(positions[k, 0], positions[k, 1])
+        nearer = max(distance - radii[k], 0.0) / max(distance, 1e-9)
+        obstacles[surfaces, 0], obstacles[surfaces, 1] = positions[k, 0] * nearer, positions[k, 1] * nearer
+        surfaces += 1
     bearings, headings = np.empty(count), np.empty(count)
     found, velocities = np.empty((count, 2)), np.empty((count, 2))
     for row in range(count):
@@ -124,17 +132,17 @@ def _detect(
         headings[row] = wrap(poses_w[k, 2] - heading)
         velocities[row, 0] = cosine * velocities_w[k, 0] + sine * velocities_w[k, 1]
         velocities[row, 1] = cosine * velocities_w[k, 1] - sine * velocities_w[k, 0]
-    return found, bearings, headings, velocities, seen[:count].copy()
+    return found, bearings, headings, velocities, seen[:count].copy(), obstacles[:surfaces].copy()
 
 
 @compiled
-def _walls(pose_w: Floats, walls_w: Floats, field_of_view: float, reach: float) -> Floats:
-    """(K, 2) the nearest visible point of each wall, body frame.
+def _walls(pose_w: Floats, walls_w: Floats, field_of_view: float, reach: float, points: Floats) -> int:
+    """How many walls are in view: fills the first rows of points (W, 2) with the nearest one of each, body frame.
 
     A wall's nearest point in view is the foot of the perpendicular, an end, or where the field's border crosses it.
     """
     cosine, sine = math.cos(pose_w[2]), math.sin(pose_w[2])
-    points, count = np.empty((len(walls_w), 2)), 0
+    count = 0
     shares = np.empty(5)
     for w in range(len(walls_w)):
         from_x, from_y = walls_w[w, 0] - pose_w[0], walls_w[w, 1] - pose_w[1]
@@ -162,7 +170,7 @@ def _walls(pose_w: Floats, walls_w: Floats, field_of_view: float, reach: float) 
                 points[count, 0], points[count, 1] = px, py
         if nearest < math.inf:
             count += 1
-    return points[:count].copy()
+    return count
 
 
 @compiled

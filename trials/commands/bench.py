@@ -169,6 +169,14 @@ def floor_plan() -> list[Figure]:
     ]
 
 
+def piloting() -> list[Figure]:
+    """One trial of `herd run piloting`: four Creates with lasers, guided by six others, on one core; all of it."""
+    trial = guided_trial()
+    seconds = of_trial(trial).duration_s
+    rates = tuple(seconds / each for each in repeated(processor_s, lambda: run_trial(trial)))
+    return [Figure("a trial of piloting, 4 robots and 6 pilots", "x real time", rates, 30.0)]
+
+
 def growth() -> list[Figure]:
     """Cost per robot as the herd and its world grow together."""
     costs: dict[int, tuple[float, ...]] = {}
@@ -301,6 +309,7 @@ MEASURES: Sequence[Callable[[], list[Figure]]] = (
     parts,
     laser,
     floor_plan,
+    piloting,
     growth,
     recording,
     workers,
@@ -321,6 +330,13 @@ def herd_of(count: int, seconds: float = SECONDS) -> Trial:
         groups=(dataclasses.replace(trial.groups[0], count=count),),
         world_parameters={"length_m": length},
     )
+
+
+def guided_trial() -> Trial:
+    """The first trial of the piloting study in which robots guide."""
+    from trials.simulations.robots.guided import PILOTS
+
+    return next(each for each in plan("piloting", repeats=1).trials if each.setup["piloting.guides"] == PILOTS)
 
 
 def _last_tick(trial: Trial) -> int:

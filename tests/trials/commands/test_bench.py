@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import math
 import time
@@ -31,6 +32,10 @@ def test_every_measure_gives_finite_figures_that_are_saved_and_compared(
     monkeypatch.setattr(bench, "LARGE", 8)
     monkeypatch.setattr(bench_kinematic, "SIZES", (100, 200))
     monkeypatch.setattr(bench_kinematic, "STEPS", 1)
+    whole = bench.guided_trial()
+    assert [group.count for group in whole.groups] == [4, 6]
+    short = dataclasses.replace(whole, setup={**whole.setup, "duration_s": 1.0})
+    monkeypatch.setattr(bench, "guided_trial", lambda: short)
     left_out = (bench.start_up, bench.whole_experiment)
     monkeypatch.setattr(bench, "MEASURES", [m for m in bench.MEASURES if m not in left_out])
     saved = tmp_path / "bench.json"
@@ -43,6 +48,7 @@ def test_every_measure_gives_finite_figures_that_are_saved_and_compared(
     assert len(medians) == len(figures)  # a saved figure is found again by its name
     assert medians["rays"] * medians["rays of a scan"] == pytest.approx(682)
     assert medians["beams off by more than 1 cm"] <= 0.2
+    assert medians["a trial of piloting, 4 robots and 6 pilots"] > 0.0
     assert medians["8 robots, built and measured too"] > 0.0  # of a run of its own: single runs are not compared
     monkeypatch.setattr(bench, "MEASURES", [bench.laser])  # a comparison sets saved figures beside whatever is measured
     bench.bench(compare=saved)

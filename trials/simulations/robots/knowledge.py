@@ -22,6 +22,7 @@ import numpy as np
 from flocking.angles import wrap
 from flocking.types import Floats
 from robots.body import Fleet
+from sensing.types import WorldTruth
 
 COMMANDS, ODOMETRY, TRUE = SOURCES = ("commands", "odometry", "true")
 TURN_RATE, COMPASS, GOAL = 2, 3, slice(4, 6)
@@ -41,15 +42,15 @@ class Knowledge:
         """(3,) x, y and heading in the world, as far as it knows."""
         self._true_heading = float(start_w[2])
 
-    def tell(self, data: Any, elapsed: float, row: Floats) -> None:
+    def tell(self, data: Any, elapsed: float, row: Floats, truth: WorldTruth | None = None) -> None:
         """Fills in a law's row of numbers about itself, which holds the encoders' motion; brings `pose_w` up to date.
 
-        `elapsed`: time since this was last called, s.
+        `elapsed`: time since this was last called, s. `truth`: of now, where somebody has asked for it already.
         """
         if self.source == COMMANDS:
             self.fleet.meant(self.index, row)
         elif self.source == TRUE:
-            self._truly(data, elapsed, row)
+            self._truly(data, elapsed, row, truth)
         if not self.follows_pose:
             return
         if self.source != TRUE:
@@ -62,10 +63,12 @@ class Knowledge:
             c, s = math.cos(heading), math.sin(heading)
             row[GOAL] = c * to_x + s * to_y, c * to_y - s * to_x
 
-    def _truly(self, data: Any, elapsed: float, row: Floats) -> None:
-        self.pose_w = self.fleet.poses(data)[self.index]
+    def _truly(self, data: Any, elapsed: float, row: Floats, truth: WorldTruth | None) -> None:
+        poses_w = self.fleet.poses(data) if truth is None else truth.poses_w
+        velocities_w = self.fleet.velocities(data) if truth is None else truth.velocities_w
+        self.pose_w = poses_w[self.index].copy()
         heading = float(self.pose_w[2])
-        vx, vy = self.fleet.velocities(data)[self.index].tolist()
+        vx, vy = velocities_w[self.index].tolist()
         c, s = math.cos(heading), math.sin(heading)
         row[0], row[1] = c * vx + s * vy, c * vy - s * vx
         row[TURN_RATE] = wrap(heading - self._true_heading) / elapsed if elapsed > 0.0 else 0.0

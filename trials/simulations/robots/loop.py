@@ -150,7 +150,8 @@ def run(herd: Herd, log: Log, last: int) -> None:
         command = robot.drive(motion)  # 5, after the latency
         heapq.heappush(events, (tick + robot.latency, ACT, k, command))
         heapq.heappush(events, (tick + robot.period, SENSE, k, None))
-        selected = np.logical_or.reduce(sets)[: len(detection.members.ids)]  # virtual members come last
+        heeded_by_any = sets[0] if len(sets) == 1 else np.logical_or.reduce(sets)
+        selected = heeded_by_any[: len(detection.members.ids)]  # virtual members come last
         judgement = judge(detection, truth, k, len(robots))
         log.update(data.time, k, poses_w[k], detection, selected, judgement, motion, command)
         if keep and senses.scan is not None:

@@ -118,7 +118,7 @@ class Robot:
         row, contacts = self._own_row, self._contacts
         self.fleet.own(self.index, row, contacts)
         row[6], row[7] = contacts
-        self.knowledge.tell(data, time - self._sensed, row)
+        self.knowledge.tell(data, time - self._sensed, row, truth)
         self._sensed = time
         self.own = Own(
             self._velocity, float(row[2]), float(row[COMPASS]), self._goal, contacts, self.dt, self.index, self.role
