@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flocking.compilation import compiled
-from flocking.types import Ints
+from flocking.types import Floats, Ints
 from sensing.camera import opengl
 from sensing.camera.lens import Lens, remap, remap_labels, remap_tables
 from sensing.types import NOBODY, Images, ScanTruth
@@ -46,6 +46,9 @@ class Shown(NamedTuple):
     left: Owners
     """(H, W) index of the robot; −1 = no cone."""
     right: Owners
+    left_robots: Owners
+    """(H, W) the same of robots as a whole, their cones included."""
+    right_robots: Owners
 
 
 class Cameras:
@@ -72,9 +75,12 @@ class Cameras:
         self._time = -1.0
         self._coded: Owners | None = None
         self._owner = np.full(model.ngeom, NOBODY, np.int16)
+        self._robot = np.full(model.ngeom, NOBODY, np.int16)
+        roots = [model.body(int(root)).name for root in model.body_rootid[model.geom_bodyid]]
         self._cameras: list[tuple[int, int]] = []
         for k, prefix in enumerate(prefixes):
             cone = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_GEOM, f"{prefix}{CONE}")
+            self._robot[[root.startswith(prefix) for root in roots]] = k
             if cone >= 0:
                 self._owner[cone] = k
                 if colours is not None:
@@ -108,8 +114,16 @@ class Cameras:
         """Whose cones the pixels of `look` show, both at `data`'s places."""
         lens = self._lens(k)
         self._place(data)
-        left, right = (remap_labels(self._owners(k, side)[::-1], self._tables[lens]) for side in range(2))
-        return Shown(np.ascontiguousarray(left), np.ascontiguousarray(right))
+        table, found = self._tables[lens], []
+        for side in range(2):
+            pixels = self._pixels(k, side, lens, ids=True)
+            coded = pixels[:, :, 0].astype(np.int32) | pixels[:, :, 1].astype(np.int32) << 8
+            found.append([
+                np.ascontiguousarray(remap_labels(of_code[coded][::-1], table))
+                for of_code in (self._owner_of_code(), self._of_codes(self._robot))
+            ])  # fmt: skip
+        (left, left_robots), (right, right_robots) = found
+        return Shown(left, right, left_robots, right_robots)
 
     def truth(self, data: mujoco.MjData, k: int) -> ScanTruth:
         """Whose cone each column of the left and then of the right image shows: that of most of its pixels."""
@@ -123,6 +137,12 @@ class Cameras:
         of_both = np.concatenate(columns)
         seen = of_both[of_both >= 0]
         return ScanTruth(of_both, np.empty(0), np.bincount(seen, minlength=len(self.lenses)).astype(np.int64))
+
+    def place(self, data: mujoco.MjData, k: int, right: bool) -> Floats:
+        """(2,) x and y of robot k's left or right lens in the world, m."""
+        self._place(data)
+        where: Floats = self._data.cam_xpos[self._cameras[k][right], :2].copy()
+        return where
 
     def _lens(self, k: int) -> Lens:
         lens = self.lenses[k]
@@ -155,23 +175,20 @@ class Cameras:
             return np.asarray(cv2.flip(pixels, 0), np.uint8)
         return remap(pixels[::-1], table)
 
-    def _owners(self, k: int, side: int) -> Owners:
-        """(H, W) whose cone each pixel as rendered shows."""
-        pixels = self._pixels(k, side, self._lens(k), ids=True)
-        coded = pixels[:, :, 0].astype(np.int32) | pixels[:, :, 1].astype(np.int32) << 8
-        return self._owner_of_code()[coded]
-
     def _owner_of_code(self) -> Owners:
         """The owner of the cone that each number in the colours of a rendering stands for: always the same, since all
         that can be seen is in every scene."""
-        if self._coded is not None:
-            return self._coded
+        if self._coded is None:
+            self._coded = self._of_codes(self._owner)
+        return self._coded
+
+    def _of_codes(self, of_geom: Owners) -> Owners:
+        """What `of_geom` (ngeom,) says of the solid for which each number in the colours of a rendering stands."""
         scene = self._eye.scene
         owner = np.full(scene.ngeom + 2, NOBODY, np.int16)
         for geom in scene.geoms[: scene.ngeom]:
             if geom.segid >= 0 and geom.objtype == mujoco.mjtObj.mjOBJ_GEOM:
-                owner[geom.segid + 1] = self._owner[geom.objid]
-        self._coded = owner
+                owner[geom.segid + 1] = of_geom[geom.objid]
         return owner
 
 

@@ -14,7 +14,7 @@ from typer import Argument, Option
 
 from flocking import users_files
 from flocking.errors import InputError, printable
-from trials.commands import environments, plans
+from trials.commands import environments, images, plans
 from trials.commands.arguments import (
     Body,
     Cluster,
@@ -288,6 +288,7 @@ def world(
 
 app.command("import")(plans.import_)
 app.command()(plans.export)
+app.command()(images.images)
 environments.add_to(app)
 
 

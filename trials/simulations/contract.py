@@ -63,5 +63,8 @@ class Simulation:
     watched: Callable[[Trial, str, Watcher], TrialResult] | None = None
     """(trial, scans to keep, who says when the herd has cleared what guides it) → what was measured. Refuses a trial in
     which nothing is to be said. None: there are no such trials."""
+    write_images: Callable[[Trial, Path, float], int] | None = None
+    """(trial, folder, time between two moments in s) → how many labelled images of what its robots' cameras see were
+    written. None: there are no cameras."""
     headings: Mapping[str, str] = field(default_factory=dict)
     """The measures of the table on a terminal, with their headings; empty: the key measures."""

@@ -59,6 +59,13 @@ def record(result: TrialResult, path: Path) -> None:
     write(result, path)
 
 
+def write_images(trial: Trial, folder: Path, every_s: float) -> int:
+    """See `labelled_images.write_images`. OpenCV is imported only here, since importing it takes long."""
+    from trials.simulations.robots import labelled_images
+
+    return labelled_images.write_images(trial, folder, every_s)
+
+
 def limit_s(trial: Trial) -> float:
     """Wall time (s) after which a trial counts as hung."""
     robots = sum(group.count for group in trial.groups)
@@ -125,4 +132,5 @@ SIMULATION = Simulation(
     world_xml=worldfile.world_xml,
     headings=HEADINGS,
     watched=watched,
+    write_images=write_images,
 )

@@ -121,7 +121,7 @@ def _members(count: int) -> str:
 def _by_size(run: Run) -> list[tuple[str, ParameterMap | None]]:
     """The map of each group size that a run varies, in the order of its trials; else its only one, without a title."""
     counts = list(dict.fromkeys(trial.conditions[COUNT] for trial in run.trials if COUNT in trial.conditions))
-    return _maps(run, [(_members(count), {COUNT: count}) for count in counts] or [("", {})])
+    return _maps(run, [(_members(int(count)), {COUNT: count}) for count in counts] or [("", {})])
 
 
 def _maps(run: Run, wanted: Sequence[tuple[str, Mapping[str, Any]]]) -> list[tuple[str, ParameterMap | None]]:

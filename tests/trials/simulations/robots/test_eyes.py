@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import Any
 
+import cv2
 import numpy as np
 import pytest
 import rerun as rr
 
 from flocking.errors import InputError
 from sensing.camera import opengl
+from sensing.camera.labels import decoded
 from sensing.camera.rendering import Cameras
 from trials import simulations
+from trials.commands import cli
 from trials.simulations.robots.fields import group, trial
 from trials.studies.monocular import follow_1, monocular_flock
 from trials.studies.monocular.design import LAW, Leg, arc_to, driven, seconds
@@ -148,3 +152,46 @@ def test_all_neighbours_take_a_detection_of_several() -> None:
     assert by_runs
     assert all(way["herd.law.nearest_only"] for way in by_runs)
     assert not any(way["herd.law.nearest_only"] for way in ways if way["herd.pipeline"] == "cone-blobs")
+
+
+class TestLabelledImages:
+    def test_each_cone_is_labelled_where_it_is(self, tmp_path: Path) -> None:
+        made = pair(seconds_=0.5, **{"cameras.width_px": 640, "cameras.height_px": 120})
+        write = simulations.of(made).write_images
+        assert write is not None
+        assert write(made, tmp_path, 0.5) == 2 * 2 * 2  # robots, cameras, moments
+        labels = json.loads((tmp_path / "labels.json").read_text())
+        assert {path.name for path in tmp_path.glob("*.png")} == {image["file_name"] for image in labels["images"]}
+        cones = [each for each in labels["annotations"] if each["category_id"] == 1]
+        assert cones
+        by_id = {image["id"]: image for image in labels["images"]}
+        for cone in cones:
+            image = by_id[cone["image_id"]]
+            picture = cv2.imread(str(tmp_path / image["file_name"]))
+            assert picture is not None
+            mask = decoded(cone["segmentation"])
+            assert mask.shape == picture.shape[:2]
+            assert cone["area"] == mask.sum()
+            blue, green, red = picture[mask].mean(axis=0)
+            assert red > 3.0 * max(green, blue)
+            if image["time_s"] > 0.0:
+                continue  # robots have moved
+            assert cone["bearing_rad"] == pytest.approx(0.0, abs=1e-9)
+            # to the lens, which stands 0.12 m before the centre and 0.03 m aside, from the near side of the cone
+            assert cone["distance_m"] == pytest.approx(1.2 - 0.12 - 0.05, abs=0.02)
+        assert {each["category_id"] for each in labels["annotations"]} == {1, 2}
+
+    def test_robots_without_cameras_are_refused_with_those_that_have_some(self, tmp_path: Path) -> None:
+        made = pair("perfect", body="create")
+        write = simulations.of(made).write_images
+        assert write is not None
+        with pytest.raises(InputError, match="no robot of 'eyes' carries cameras") as refused:
+            write(made, tmp_path, 0.5)
+        assert "create-with-cameras" in str(refused.value)
+
+    def test_the_command_refuses_a_folder_that_is_there(
+        self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    ) -> None:
+        monkeypatch.setattr("sys.argv", ["herd", "images", "follow-1", "--out", str(tmp_path)])
+        assert cli.main() == 2
+        assert "expected a new one" in capsys.readouterr().err
