@@ -23,6 +23,7 @@ class Purpose(IntEnum):
     WORLD = 7
     PARAMETERS = 8
     IMAGES = 9
+    FAILURE = 20
 
 
 def stream(seed: int, repeat: int, group: int, member: int, purpose: Purpose) -> np.random.Generator:

@@ -20,10 +20,11 @@ from flocking.kinematic.arrays import Bodies, HerdArrays, Limits, Minds, Tracks
 from flocking.kinematic.bands import Band, Space, check_linked
 from flocking.perception import Step
 from flocking.tessellation import tessellated
-from flocking.types import Bools, Floats, Ints
+from flocking.types import Bools, Floats, Ints, Kind
 
 __all__ = [
     "Band",
+    "Failures",
     "History",
     "KinematicHerd",
     "LawFailedError",
@@ -93,6 +94,16 @@ class Schedule(NamedTuple):
         return self._replace(steps=int(steps), every=int(every))
 
 
+class Failures(NamedTuple):
+    """Which members of a herd of N fail, and when: from that step on they stand for good, and others still see them."""
+
+    steps: Ints
+    """(N,) the step, from 0, at whose begin each fails; those who never do have one beyond the last."""
+    middles: Sequence[tuple[int, Ints]] = ()
+    """Steps, from 0, and members: at the begin of each that of these fails which still moves and is the nearest to the
+    middle of those who do."""
+
+
 class Progress(NamedTuple):
     """How others learn how far a simulation has come."""
 
@@ -118,17 +129,20 @@ def simulate(
     velocities_w: Floats | None = None,
     graph: Bools | None = None,
     progress: Progress | None = None,
+    failures: Failures | None = None,
 ) -> History:
     """Simulates the bands, whose members start at `poses_w` (N, 3), one band after the other.
 
     They start with `speeds_m_s` along their headings, or with `velocities_w` (N, 2). `graph` (N, N): who is in whose
-    fixed set. Raises `InputError` for what does not fit and `LawFailedError` if a law fails.
+    fixed set. Raises `InputError` for what does not fit and `LawFailedError` if a law fails. Of `failures`, the steps
+    of members that fail in the middle of others are written to it.
     """
     bands = [bands] if isinstance(bands, Band) else list(bands)
     dt_s, steps, every, synchronous, forward = schedule.checked()
     said, turn = progress or Progress()
     run = KinematicHerd(bands, poses_w, space or Space(), graph, dt_s, rng, turn, forward)
     run.start(velocities_w, speeds_m_s)
+    run.failures = failures
     tracks = np.empty((steps // every + 1, len(run.positions), 5))
     _kernel().record(run.bodies, tracks[0])
     run.advance(steps, tracks[1:], every, 0, synchronous, said)
@@ -234,6 +248,8 @@ class KinematicHerd:
         self.most_steps = max(1, MOST_DRAWS // (count * (1 + max(self.draws))))
         self.pace = max(1, min(FIRST_DECISIONS, FIRST_LOOKS // count))
         self.turn = np.zeros(3, np.int64) if turn is None else turn
+        self.failures: Failures | None = None
+        self.working = np.ones(count, np.bool_)
 
     def start(self, velocities_w: Floats | None, speeds: float | Floats) -> None:
         """Gives the members their first velocities."""
@@ -269,7 +285,9 @@ class KinematicHerd:
         first, end, count = done - done % every, done + steps, len(self.positions)
         while done < end:
             self._tessellate()
-            if len(self.bands) > 1 or self.voronoi or self.pace < count:
+            if self.failures is not None:
+                self._fail(done, self.failures)
+            if len(self.bands) > 1 or self.voronoi or self.failures is not None or self.pace < count:
                 if synchronous:
                     self._together(done)
                 else:
@@ -298,16 +316,36 @@ class KinematicHerd:
             while first < len(who):
                 part = who[first : first + self.pace]
                 draws = self.law_rng.random((1, len(part), self.draws[band]))
-                self._run(_kernel().synchronous, band, part, draws, self._nothing, step, (1,))
                 first += len(part)
+                if not self.working[part].all():
+                    works = self.working[part]
+                    part, draws = part[works], np.ascontiguousarray(draws[:, works])
+                if len(part):
+                    self._run(_kernel().synchronous, band, part, draws, self._nothing, step, (1,))
         _kernel().move_all(self.arrays)
+
+    def _fail(self, step: int, failures: Failures) -> None:
+        """Lets those members stand, from now on, that fail at the begin of this step."""
+        for at, members in failures.middles:
+            moving = members[self.working[members]]
+            if at == step and len(moving):
+                places = self.positions[moving]
+                failures.steps[moving[np.hypot(*(places - places.mean(axis=0)).T).argmin()]] = step
+        failed = np.flatnonzero(self.working & (failures.steps <= step))
+        self.working[failed] = False
+        self.arrays.motions[failed] = (float(Kind.STOP), 0.0, 0.0, 0.0)
+        self.bodies.velocities[failed] = 0.0
+        self.bodies.turn_rates[failed] = 0.0
 
     def _in_turn(self, step: int) -> None:
         """One asynchronous step in an order drawn anew, by runs of one band each or in parts."""
         turns = np.argsort(self.order_rng.random(len(self.positions)))
+        turns = turns[self.working[turns]]
+        if len(turns) == 0:
+            return
         for run in np.split(turns, np.flatnonzero(np.diff(self.band_of[turns])) + 1):
             band, first = int(self.band_of[run[0]]), 0
-            block = _kernel().part_of(len(turns), self.stages[band].reach)
+            block = _kernel().part_of(len(self.positions), self.stages[band].reach)
             while first < len(run):
                 part = np.ascontiguousarray(run[None, first : first + max(1, self.pace // block) * block])
                 draws = self.law_rng.random((1, part.shape[1], self.draws[band]))

@@ -21,7 +21,7 @@ from flocking.taxonomy import USUAL_HERD, Herd
 from generation.environment import Environment
 from trials.rows import below
 from trials.simulations import judged
-from trials.simulations.kinematic import lattice_starts, links
+from trials.simulations.kinematic import flocks, lattice_starts, links
 from trials.simulations.kinematic.places import FORMATION_PARAMETERS, OF_LAW, OPEN, WORLD_PARAMETERS
 from trials.types import Group, Trial, Value
 from worlds import known, start_poses
@@ -31,6 +31,8 @@ OWN = "own"
 """A text that is left to the law's own herd."""
 OWN_LEADERS = -1
 """A number of leaders that is left to the law's own herd."""
+NEVER = -1.0
+"""A time that does not come."""
 LEADER = 1
 """The role of a leader or of a strong member."""
 NO_LIMIT = 0.0
@@ -43,8 +45,8 @@ FORMATIONS = ("uniform", "single-group", "split-group", "triangular-lattice", "s
 AS_LAW = "as-law"
 OF_AVOIDANCE = ("look_ahead_m", "margin_m", "virtual_range_m")
 """What is at work only where obstacles are avoided, or made virtual members."""
-LINKS = "links."
-"""Prefix of the keys of the links that a trial measures."""
+LINKS, FLOCKS = "links.", "flocks."
+"""Prefixes of the keys of the links and of the flocks that a trial measures."""
 _NO_HERD = (
     f"a choice, for the law's file has no HERD: {USUAL_HERD.spacing_m:g} m, {USUAL_HERD.speed_m_s:g} m/s, "
     f"{USUAL_HERD.dt_s:g} s"
@@ -123,7 +125,8 @@ class NameFields(NamedTuple):
 class GroupNames(NamedTuple):
     """What a kinematic group has that a group of robots has as well."""
 
-    count: Annotated[int, Parameter("members", "a choice", low=1, high=1_000_000)] = 50  # type: ignore[assignment]
+    count: Annotated[int, Parameter("members", "a choice", low=0, high=1_000_000)] = 50  # type: ignore[assignment]
+    """0 = there is no such group."""
     pipeline: Annotated[str, Parameter("", "Fine 2015, section 2.2, without noise", choices=DETECTIONS)] = "perfect"
     selection: Annotated[str, Parameter("", "Fine 2015, table 3.1: what the law's sets select from")] = "all"
     law: Annotated[str, Parameter("", "a choice")] = "random-motion"
@@ -181,6 +184,13 @@ class GroupFields(NamedTuple):
     leaders: Annotated[
         int, Parameter("members", f"the first so many have role 1, −1 = as many as: {OF_LAW}", low=OWN_LEADERS)
     ] = OWN_LEADERS
+    failure_probability: Annotated[
+        float, Parameter("", "a choice: a step, of a member to stop for good; others still see it", low=0.0, high=1.0)
+    ] = 0.0
+    failure_time_s: Annotated[
+        float,
+        Parameter("s", "a choice: when the member in the middle of its group fails likewise; −1 = never", low=-1.0),
+    ] = NEVER
 
 
 def trial(
@@ -356,6 +366,12 @@ def links_of(trial: Trial) -> links.Parameters | None:
     """The parameters by which a trial's links are measured; None if they are not measured."""
     given = below(trial.setup, LINKS)
     return filled(links.Parameters, given, prefix=LINKS) if given else None
+
+
+def flocks_of(trial: Trial) -> flocks.Parameters | None:
+    """The parameters by which a trial's flocks are measured; None if they are not measured."""
+    given = below(trial.setup, FLOCKS)
+    return filled(flocks.Parameters, given, prefix=FLOCKS) if given else None
 
 
 def _closed(value: float, own: float) -> float:

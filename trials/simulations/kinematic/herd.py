@@ -76,6 +76,8 @@ def check(trial: Trial) -> None:
     fields.formation_parameters(trial)
     given = fields.of_trial(trial)
     count = sum(group.count for group in trial.groups)
+    if count == 0:
+        raise InputError(f"{trial.groups[0].name}.count = 0: expected at least 1 member in all groups together")
     every = 1 if fields.every_step(trial) else given.every
     if given.every > given.steps:
         raise InputError(
@@ -234,7 +236,8 @@ def _band(trial: Trial, number: int, centre: Floats) -> Band:
 
 def _parts(bands: Sequence[Band], groups: Sequence[Group]) -> list[Band]:
     """One band a group, or two where a group has leaders and others: the leaders come first."""
-    return [part for band, group in zip(bands, groups, strict=True) for part in _by_role(band, group)]
+    there = [pair for pair in zip(bands, groups, strict=True) if pair[1].count > 0]
+    return [part for band, group in there for part in _by_role(band, group)]
 
 
 def _by_role(band: Band, group: Group) -> list[Band]:

@@ -9,7 +9,7 @@ from flocking import lawentry
 from flocking.parameters import declared, filled
 from trials.rows import Section, section
 from trials.simulations import judged, spread
-from trials.simulations.kinematic import fields, links
+from trials.simulations.kinematic import fields, flocks, links
 from trials.types import Group, Trial
 
 
@@ -25,7 +25,8 @@ def keys_of(trial: Trial, group: Group | None = None) -> list[Section]:
             ),
             _open("world.", world, lambda: fields.world_of(trial)._asdict(), first, trial.world_parameters),
             _open("formation.", formation, lambda: fields.formation_of(trial)._asdict(), first, at_start),
-            section(fields.LINKS, links.Parameters, lambda: _links_shown(trial)),
+            section(fields.LINKS, links.Parameters, lambda: _shown(fields.links_of(trial))),
+            section(fields.FLOCKS, flocks.Parameters, lambda: _shown(fields.flocks_of(trial))),
             *judged.sections(trial),
         ]
     law = lawentry.module_of(group.law, group.law_source)
@@ -53,13 +54,16 @@ def _of_trial(trial: Trial) -> dict[str, Any]:
 
 
 def _of_group(group: Group) -> dict[str, Any]:
-    """The values of a group that are at work: those of the shared avoidance only where obstacles are not left to it."""
+    """The values of a group that are at work: those of the shared avoidance only where obstacles are not left to it,
+    those of failures only where some member may fail."""
     values = fields.of_group(group)._asdict()
+    if (values["failure_probability"], values["failure_time_s"]) == (0.0, fields.NEVER):
+        values = {name: value for name, value in values.items() if not name.startswith("failure_")}
     if values["obstacles"] == fields.AS_LAW:
         values = {name: value for name, value in values.items() if name not in fields.OF_AVOIDANCE}
     return values
 
 
-def _links_shown(trial: Trial) -> dict[str, Any]:
-    measured = fields.links_of(trial)
-    return {} if measured is None else measured._asdict()
+def _shown(measured: Any) -> dict[str, Any]:
+    """The values of what is measured beside the rest; none where it is not."""
+    return {} if measured is None else dict(measured._asdict())

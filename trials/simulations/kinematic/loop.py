@@ -8,14 +8,17 @@ from time import perf_counter
 
 import numpy as np
 
-from flocking.kinematic import History, LawFailedError, Progress, Schedule, simulate
+from flocking.kinematic import Failures, History, LawFailedError, Progress, Schedule, simulate
 from flocking.types import Floats
 from trials.simulations import judged, watch
-from trials.simulations.kinematic import fields, links
+from trials.simulations.kinematic import failures, fields, flocks, links
 from trials.simulations.kinematic.herd import Herd, assemble
 from trials.simulations.kinematic.measures import measure
 from trials.streams import Purpose, stream
 from trials.types import Trial, TrialResult, no_contacts, no_updates
+
+FAILED_S = "failed_s"
+"""The table (N,) of the times at which members failed, nan = never; only of trials in which members may."""
 
 
 def run_trial(trial: Trial, scans: str = "none", reraise: bool = False, folder: Path | None = None) -> TrialResult:
@@ -29,8 +32,9 @@ def run_trial(trial: Trial, scans: str = "none", reraise: bool = False, folder: 
     built = perf_counter()
     times, poses_w, outcome, reason = np.zeros(1), herd.poses_w[None], "done", ""
     counted: dict[str, float] = {}
+    failing = failures.failures_of(trial)
     try:
-        history = simulated(trial, herd, 1 if fields.every_step(trial) else herd.fields.every)
+        history = simulated(trial, herd, 1 if fields.every_step(trial) else herd.fields.every, failing)
         times, poses_w = history.times, history.poses_w
     except LawFailedError as error:
         if reraise:
@@ -46,14 +50,29 @@ def run_trial(trial: Trial, scans: str = "none", reraise: bool = False, folder: 
     if outcome == "done" and fields.every_step(trial):
         times, poses_w = times[:: herd.fields.every], poses_w[:: herd.fields.every].copy()
     result = _result(trial, herd, times, poses_w, outcome, reason)
-    measures = measure(result, herd) | counted if outcome == "done" else {}
+    if failing is not None:
+        failed_s = failures.times_of(failing, herd.fields.timestep_s, herd.fields.steps)
+        result = dataclasses.replace(result, tables={FAILED_S: failed_s})
+    measures = measure(result, herd) | counted | _of_flocks(result) if outcome == "done" else {}
     if not herd.fields.keeps_way and len(times) > 2:
         result = dataclasses.replace(result, times=times[[0, -1]], poses_w=poses_w[[0, -1]])
     timing = {"build_s": built - started, "loop_s": finished - built}
     return dataclasses.replace(result, measures=measures, timing=timing)
 
 
-def simulated(trial: Trial, herd: Herd, every: int) -> History:
+def _of_flocks(result: TrialResult) -> dict[str, float]:
+    """The measures of the first group's flocks; none where they are not measured."""
+    given, first = fields.flocks_of(result.trial), result.trial.groups[0]
+    if given is None:
+        return {}
+    failed_s = result.tables.get(FAILED_S, np.full(len(result.robot_names), np.nan))
+    positions = result.poses_w[:, : first.count, :2]
+    return flocks.measure(
+        result.times, positions, failed_s[: first.count], given, fields.of_group(first).failure_time_s
+    )
+
+
+def simulated(trial: Trial, herd: Herd, every: int, failing: Failures | None = None) -> History:
     """The history of a trial's herd; one step in `every` is kept. Raises `LawFailedError`."""
     import flocking.kinematic.kernel  # noqa: F401 (its import compiles it: here, since no watch is on yet)
 
@@ -69,6 +88,7 @@ def simulated(trial: Trial, herd: Herd, every: int) -> History:
             speeds_m_s=herd.speeds,
             graph=herd.graph,
             progress=Progress(watch.breathe, watch.turn),
+            failures=failing,
         )
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from trials.simulations import judged
 from trials.simulations.contract import Simulation
 from trials.simulations.kinematic import fields, herd, keys, loop, places
+from trials.simulations.kinematic.flocks import ABOUT as OF_FLOCKS
 from trials.simulations.kinematic.links import ABOUT as OF_LINKS
 from trials.simulations.kinematic.measures import ABOUT, KEY_MEASURES
 from trials.types import Trial, TrialResult, with_setup
@@ -66,7 +67,7 @@ SIMULATION = Simulation(
     settled=settled,
     run_trial=loop.run_trial,
     record=record,
-    measures={**ABOUT, **OF_LINKS, **judged.ABOUT},
+    measures={**ABOUT, **OF_LINKS, **OF_FLOCKS, **judged.ABOUT},
     key_measures=KEY_MEASURES,
     limit_s=limit_s,
     moment=moment,
