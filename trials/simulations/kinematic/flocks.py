@@ -69,7 +69,8 @@ class Flocks(NamedTuple):
 def flocks_at(positions: Floats, works: np.ndarray, gap_m: float) -> Flocks:
     """The flocks of robots at `positions` (N, 2), of whom those in `works` (N,) have not failed."""
     labels = np.full(len(positions), -1, dtype=np.int64)
-    labels[works] = group_labels(positions[works], gap_m)
+    if works.any():
+        labels[works] = group_labels(positions[works], gap_m)
     count = int(labels.max(initial=-1)) + 1
     sizes, std, rms = np.zeros(count, dtype=np.int64), np.full(count, np.nan), np.full(count, np.nan)
     for flock in range(count):
