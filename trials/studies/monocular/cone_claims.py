@@ -1,0 +1,119 @@
+"""What Kirchner 2006 says of distances and of segmentations, held against runs of the cone tests."""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+
+from flocking.types import Floats
+from trials.evidence.claims import Entry, Question, all_must_hold, answers, claim_of, published
+from trials.evidence.outcomes import Outcome, more, near
+from trials.evidence.runs import Cells, Run
+from trials.studies.monocular.design import FOOT
+from trials.types import Value
+
+DISTANCE, PROJECTION = "distance_m", "eyes.cameras.projection"
+EQUAL_ANGLE, PINHOLE = "equal-angle", "pinhole"
+PIPELINE, SEGMENTATION, RANGES = "eyes.pipeline", "eyes.pipeline.segmentation", "eyes.pipeline.ranges"
+RUNS = "cone-member-based"
+WITHIN = 0.06
+"""Of the distance: the publication's own means err by up to 6.7 %, at a foot. A choice."""
+BETTER = 0.1
+"""Of a detection rate, that would count as better: a choice."""
+NOMINAL: dict[str, Value] = {"light": 1.0, "distance_m": 1.5, "hidden": 0.0, "speed_m_s": 0.0}
+AXES: dict[str, tuple[float, ...]] = {
+    "light": (0.2, 0.4, 0.6, 0.8, 1.0, 1.2, 1.4, 1.6),
+    "distance_m": (0.25, 0.5, 1.0, 1.5, 2.0, 3.0, 4.0),
+    "hidden": (0.0, 0.25, 0.5, 0.75),
+    "speed_m_s": (0.0, 0.4, 0.8, 1.6),
+}
+KINDS: dict[str, dict[str, Value]] = {
+    f"{pipeline}, {kind}, {ranges}": {PIPELINE: pipeline, SEGMENTATION: kind, RANGES: ranges}
+    for pipeline, kind, ranges in (
+        (RUNS, "hsv", "calibrated"),
+        (RUNS, "monochrome", "calibrated"),
+        (RUNS, "rgb", "calibrated"),
+        (RUNS, "hsv", "published"),
+        (RUNS, "rgb", "published"),
+        ("cone-blobs", "hsv", "calibrated"),
+    )
+}
+KEYS = (PIPELINE, SEGMENTATION, RANGES, *AXES)
+
+
+def distance_claims(run: Run) -> list[Entry]:
+    """An entry for each distance of appendix A, and what either projection does to all of them."""
+    return answers(run, (DISTANCE, PROJECTION), _distances)
+
+
+def _distances(cells: Cells) -> list[Question]:
+    rows = published(__package__, "kirchner2006", "appendix_a")["rows"]
+    told = {round(row[0] * FOOT, 6): float(np.mean(row[1:6])) for row in rows}
+    found, planned = [], cells.planned()
+    for distance, projection in planned:
+        if projection != EQUAL_ANGLE or distance not in told:
+            continue
+        feet = told[distance]
+        found.append(
+            Question(
+                source="kirchner2006 appendix_a (appendix A)",
+                quantity=f"a cone at {distance / FOOT:g} ft: distance, m",
+                claim=f"{feet:.3f} ft, the mean of five tests at {distance / FOOT:g} ft",
+                judge=all_must_hold(f"within {WITHIN:.0%} of what is published", partial(_near, cells, distance, feet)),
+                published=feet * FOOT,
+            )
+        )
+    for number, (projection, words, test) in enumerate(
+        ((EQUAL_ANGLE, "every distance within", _right), (PINHOLE, "every distance off by more than", _wrong)), 1
+    ):
+        mine = [cell for cell in planned if cell[1] == projection]
+        if mine:
+            judge = all_must_hold(f"{words} {WITHIN:.0%} of the truth", partial(test, cells, mine))
+            found.append(
+                claim_of(__package__, "kirchner2006", "cone_claims", number, f"{projection}: relative error", judge)
+            )
+    return found
+
+
+def _near(cells: Cells, distance: float, feet: float) -> list[Outcome]:
+    return [near("distance, m", cells.array("distance", distance, EQUAL_ANGLE), feet * FOOT, WITHIN * distance)]
+
+
+def _right(cells: Cells, mine: list[tuple[float, str]]) -> list[Outcome]:
+    return [near(f"{cell[0] / FOOT:g} ft", cells.array("distance_error", *cell), 0.0, WITHIN) for cell in mine]
+
+
+def _wrong(cells: Cells, mine: list[tuple[float, str]]) -> list[Outcome]:
+    return [more(f"{cell[0] / FOOT:g} ft", np.abs(cells.array("distance_error", *cell)), WITHIN) for cell in mine]
+
+
+def robustness_claims(run: Run) -> list[Entry]:
+    """That HSV finds the cone more often than RGB masks and than monochrome subtraction while the light varies."""
+    return answers(run, KEYS, _robustness)
+
+
+def _robustness(cells: Cells) -> list[Question]:
+    test = f"detection rate, mean over the lights: HSV less the other above {BETTER:g} (paired)"
+    return [
+        claim_of(
+            __package__, "kirchner2006", "light_claims", number, f"HSV less {other}: detected",
+            all_must_hold(test, partial(_better, cells, other)),
+        )
+        for number, other in enumerate(("rgb", "monochrome"), 1)
+    ]  # fmt: skip
+
+
+def _better(cells: Cells, other: str) -> list[Outcome]:
+    return [more(f"HSV less {other}", over_lights(cells, "hsv") - over_lights(cells, other), BETTER)]
+
+
+def over_lights(cells: Cells, kind: str) -> Floats:
+    """(R,) the detection rate of each repeat, mean over the lights, of a segmentation with calibrated ranges."""
+    nominal = tuple(NOMINAL.values())
+    rates = [
+        cells.array("detected", *cell)
+        for cell in cells.planned()
+        if cell[:3] == (RUNS, kind, "calibrated") and cell[4:] == nominal[1:]
+    ]
+    return np.asarray(np.mean(rates, axis=0))
