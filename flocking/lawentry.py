@@ -270,17 +270,15 @@ def load(name: str, source: str = "") -> Law:
 @cache
 def _load_named(name: str) -> Law:
     module = _named(name)
-    path = Path(str(module.__file__))
-    return _compile(name, module, path, boundscheck=False)
+    return _compile(name, module, boundscheck=False)
 
 
 @cache
 def _load_source(name: str, source: str) -> Law:
-    module, path = lawsource.executed(name, source)
-    return _compile(name, module, path, boundscheck=True)
+    return _compile(name, lawsource.executed(name, source)[0], boundscheck=True)
 
 
-def _compile(name: str, module: ModuleType, path: Path, *, boundscheck: bool) -> Law:
+def _compile(name: str, module: ModuleType, *, boundscheck: bool) -> Law:
     fields = declared(module.Parameters)
     for field in fields.values():
         if field.type is str:
@@ -296,12 +294,12 @@ def _compile(name: str, module: ModuleType, path: Path, *, boundscheck: bool) ->
         raise InputError(f"law file {name!r}: SETS: {error}") from None
     values = ", ".join(f"{field.type.__name__}(parameters[{i}])" for i, field in enumerate(fields.values()))
     try:
-        entry = _entry(module, path, values, boundscheck, allocates=False)
+        entry = _entry(module, values, boundscheck, allocates=False)
     except StorageError:
         raise
     except Exception:  # perhaps because it makes arrays: references must then be counted
         try:
-            entry = _entry(module, path, values, boundscheck, allocates=True)
+            entry = _entry(module, values, boundscheck, allocates=True)
         except StorageError:
             raise
         except Exception as error:
@@ -318,25 +316,35 @@ def _compile(name: str, module: ModuleType, path: Path, *, boundscheck: bool) ->
     )
 
 
-def _entry(module: ModuleType, path: Path, values: str, boundscheck: bool, allocates: bool) -> Callable[..., None]:
+def _entry(module: ModuleType, values: str, boundscheck: bool, allocates: bool) -> Callable[..., None]:
     """The law behind the entry's signature, compiled or taken from the cache."""
-    source = path.read_text(encoding="utf-8")
-    text = _TEMPLATE.format(
-        module=module.__name__,
-        path=str(path),
+    made = generated(
+        module,
+        "entry",
+        _TEMPLATE,
         signature=ENTRY_SIGNATURE,
         values=values,
         boundscheck=boundscheck,
         allocates=allocates,
-        cached=not foreign(source),
     )
+    entry: Callable[..., None] = made.entry
+    return entry
+
+
+def generated(module: ModuleType, what: str, template: str, **filled_in: Any) -> ModuleType:
+    """A module generated from a law's own by a template, with what it compiles kept between runs where that is safe.
+
+    `what`: its file's name begins with that.
+    """
+    path = Path(str(module.__file__))
+    source = path.read_text(encoding="utf-8")
+    text = template.format(module=module.__name__, path=str(path), cached=not foreign(source), **filled_in)
     digest = hashlib.sha256((text + source + constants(module)).encode()).hexdigest()[:16]
-    entry_path = lawsource.written(f"entry_{path.stem}_{digest}", text)
-    spec = importlib.util.spec_from_file_location(entry_path.stem, entry_path)
+    made_path = lawsource.written(f"{what}_{path.stem}_{digest}", text)
+    spec = importlib.util.spec_from_file_location(made_path.stem, made_path)
     assert spec is not None
     assert spec.loader is not None
-    generated = importlib.util.module_from_spec(spec)
-    sys.modules[entry_path.stem] = generated
-    spec.loader.exec_module(generated)
-    entry: Callable[..., None] = generated.entry
-    return entry
+    made = importlib.util.module_from_spec(spec)
+    sys.modules[made_path.stem] = made
+    spec.loader.exec_module(made)
+    return made

@@ -16,6 +16,9 @@ A law's file holds
   below, at most, above or at least, then another NAME or a number, as in "core_m at most equilibrium_m". Values that
   break one are refused, whether given, for Creates or drawn for a member;
 - optionally `CHIRAL` (a mirrored world does not mirror its motion) and `AXIS` (it moves along the world's x axis only);
+- optionally `message(own, members, sets, obstacles, parameters) -> Message` and
+  `controlled(told, dt, parameters, memory, u) -> Motion`, the two parts of a law that is an
+  image process and a controller (`flocking.message`): the controller can then be a process of its own;
 - for the laws of the literature `TAXONOMY`, `VALIDATION`, `FILLED` and `HERD` (`flocking.taxonomy`), and `CREATE`, the
   parameter values with which iRobot Creates run it;
 - `law(own, members, sets, obstacles, parameters, memory, u) -> Motion`, pure but for `memory` (MEMORY,) that it

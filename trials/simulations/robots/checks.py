@@ -9,13 +9,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from flocking import lawparts
 from flocking.errors import InputError
 from flocking.parameters import filled
 from flocking.types import Floats
 from robots import body as bodies
 from sensing.laser import hokuyo
 from trials.simulations import judged, spread
-from trials.simulations.robots import guided, information
+from trials.simulations.robots import guided, information, wire
 from trials.simulations.robots.fields import (
     TOGETHER,
     GroupFields,
@@ -52,6 +53,7 @@ def check(trial: Trial) -> None:
                 f"the top speed of body {its.body.name!r}"
             )
         _check_sensors(its, groups)
+        _check_link(its)
         information.check(its)
         spread.check(trial, number, its.law_parameters._asdict())
     environment_of(trial)
@@ -101,6 +103,24 @@ def _check_start(start: _Start) -> None:
         for _ in range(its.given.count)
     ]
     check_starts(Starting(names, poses_w, radii, np.array(together)), environment_of(trial))
+
+
+def _check_link(its: Resolved) -> None:
+    """A controller of its own is for laws that have a message, and on loopback unless it is told otherwise."""
+    given, name = its.given, its.group.name
+    if given.link == wire.IN_PROCESS:
+        return
+    known = not callable(getattr(its.law, "law", None))  # of a user's law that is not executed here
+    if not known and not lawparts.has_parts(its.law):
+        raise InputError(
+            f"{name}.link = {given.link!r}: law {its.group.law!r} has no message to a controller; expected "
+            f"{wire.IN_PROCESS!r}, or a law that has one: {', '.join(lawparts.names())}"
+        )
+    if not wire.is_loopback(given.link_address) and not given.link_beyond_loopback:
+        raise InputError(
+            f"{name}.link_address = {given.link_address!r} is not loopback: other machines reach it; expected "
+            f"127.0.0.1 or ::1, or else --set {name}.link_beyond_loopback=true"
+        )
 
 
 def _check_sensors(its: Resolved, groups: Sequence[Resolved]) -> None:

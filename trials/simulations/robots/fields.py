@@ -12,7 +12,7 @@ from robots import body as bodies
 from sensing.laser import hokuyo
 from trials.rows import below
 from trials.simulations import judged
-from trials.simulations.robots import guided
+from trials.simulations.robots import guided, wire
 from trials.simulations.robots.knowledge import SOURCES
 from trials.types import Group, Trial, Value
 from worlds import formations, known
@@ -203,6 +203,16 @@ class GroupFields(NamedTuple):
     obstacle_selection: Annotated[
         str, Parameter("", "Fine 2015, figure 3.3, which leaves it open", reads=obstacle_selection.parse)
     ] = "all"
+    link: Annotated[
+        str,
+        Parameter("", "Kirchner 2006, section 3.6.7: from image process to controller; a choice", choices=wire.LINKS),
+    ] = wire.IN_PROCESS
+    link_address: Annotated[
+        str, Parameter("", "a choice: where controllers listen, of this machine", reads=wire.address)
+    ] = "127.0.0.1"
+    link_beyond_loopback: Annotated[
+        bool, Parameter("", "a choice: whether that may be an address that other machines reach")
+    ] = False
     formation: Annotated[
         str,
         Parameter(

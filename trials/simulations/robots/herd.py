@@ -12,7 +12,7 @@ from typing import NamedTuple
 import mujoco
 import numpy as np
 
-from flocking import lawentry
+from flocking import lawentry, lawparts
 from flocking.errors import InputError
 from flocking.types import Bools, Floats
 from robots import body as bodies
@@ -23,7 +23,7 @@ from sensing.camera.rendering import Cameras
 from sensing.laser import hokuyo
 from sensing.types import PipelineState, WorldTruth
 from trials.simulations import spread
-from trials.simulations.robots import guided
+from trials.simulations.robots import guided, link, wire
 from trials.simulations.robots.checks import check, check_start, clock
 from trials.simulations.robots.fields import of_trial
 from trials.simulations.robots.knowledge import Knowledge
@@ -55,6 +55,12 @@ class Herd:
     """Robots whose pipeline reads global knowledge."""
     scenario: Guided | None = None
     """What happens besides."""
+
+    def close(self) -> None:
+        """Ends the controllers that are processes of their own."""
+        for robot in self.robots:
+            if robot.link is not None:
+                robot.link.close()
 
     def world_truth(self, k: int, poses_w: Floats) -> WorldTruth | None:
         """Global knowledge for robot k if its pipeline reads it."""
@@ -125,12 +131,16 @@ class Mind(NamedTuple):
 
     its: Resolved
     law: lawentry.Law
+    parts: lawparts.Parts | None
+    """Of the law, where its controller is a process of its own."""
     obstacle_stage: ObstacleStage
 
 
 def _mind(group: Group) -> Mind:
     its = Resolved(group)
-    return Mind(its, lawentry.load(group.law, group.law_source), ObstacleStage(its))
+    law = lawentry.load(group.law, group.law_source)
+    parts = lawparts.load(law) if its.given.link != wire.IN_PROCESS else None
+    return Mind(its, law, parts, ObstacleStage(its))
 
 
 def _robot(
@@ -152,13 +162,18 @@ def _robot(
     group, given, wanted = its.group, its.given, its.wanted
     if group.spread:
         usual = its.law_parameters._asdict()
-        own = dataclasses.replace(group, law_parameters=spread.parameters(trial, group_number, member, usual))
-        its = Resolved(own)
+        its = Resolved(dataclasses.replace(group, law_parameters=spread.parameters(trial, group_number, member, usual)))
     period, latency = clock(group.name, given, of_trial(trial).timestep_s)
     phase = int(draw(Purpose.PHASE).random() * period) if given.phase == "random" else 0
     informed = member < given.informed
     first = (given.speed_m_s, 0.0) if given.start_moving else (0.0, 0.0)
     world.fleet.command(index, *first)
+    parameters, dt = np.array(its.law_parameters, dtype=np.float64), 1.0 / given.rate_hz
+    controller = None
+    if mind.parts is not None:
+        way = link.Way(given.link, given.link_address)
+        own = link.Mind(mind.parts, parameters, np.zeros(law.memory), draw(Purpose.LAW), law.draws, dt)
+        controller = link.Link(index, way, own)
     return Robot(
         index=index,
         name=f"{group.name}-{member + 1}",
@@ -170,7 +185,7 @@ def _robot(
         pipeline_state=_pipeline_state(its),
         selections=its.selections,
         law=law,
-        law_parameters=np.array(its.law_parameters, dtype=np.float64),
+        law_parameters=parameters,
         law_rng=draw(Purpose.LAW),
         range_rng=draw(Purpose.RANGE_NOISE),
         intensity_rng=draw(Purpose.INTENSITY_NOISE),
@@ -195,7 +210,8 @@ def _robot(
         obstacle_stage=mind.obstacle_stage,
         role=1 if informed else given.role,
         memory=np.zeros(law.memory),
-        dt=1.0 / given.rate_hz,
+        dt=dt,
+        link=controller,
         command=first,
     )
 

@@ -15,7 +15,7 @@ from flocking.types import Floats
 from sensing.truth import judge
 from trials.simulations import judged, watch
 from trials.simulations.contract import Watcher
-from trials.simulations.robots import guided
+from trials.simulations.robots import guided, link
 from trials.simulations.robots.fields import iteration_s, of_group, of_trial
 from trials.simulations.robots.herd import Herd, assemble
 from trials.simulations.robots.knowledge import ODOMETRY
@@ -73,6 +73,7 @@ def run_trial(
         outcome, reason = "failed", f"{' '.join(told.split())} at {herd.world.data.time:.2f} s"
     finally:
         watch.end()
+        herd.close()
     finished = perf_counter()
     result = log.result(
         names=herd.world.names,
@@ -95,6 +96,7 @@ def run_trial(
         found |= eyes(result)
     if any(of_group(each).own_motion == ODOMETRY for each in trial.groups):
         found |= reckoned(result)
+    found |= link.counts([robot.link for robot in herd.robots if robot.link is not None])
     return dataclasses.replace(result, measures=found)
 
 

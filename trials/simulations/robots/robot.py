@@ -21,6 +21,7 @@ from sensing.laser.draws import intensity_draws, range_draws
 from sensing.laser.hokuyo import PERIOD_S, Lasers
 from sensing.types import Detection, PipelineState, Scan, ScanTruth, Senses, WorldTruth
 from trials.simulations.robots.knowledge import COMPASS, GOAL, Knowledge
+from trials.simulations.robots.link import Link
 from trials.simulations.robots.obstacle_stage import AVOIDING, ObstacleStage
 
 _AHEAD = 64
@@ -78,6 +79,8 @@ class Robot:
     role: int
     memory: Floats
     dt: float
+    link: Link | None = None
+    """Where its controller is a process of its own: it then decides in the law's place."""
     command: tuple[float, float] = (0.0, 0.0)
     """Speed (m/s) and turn rate (rad/s) decided last."""
     own: Own | None = None
@@ -185,8 +188,9 @@ class Robot:
         draws = self._draw()
         row = self._motion_row
         members = detection.members
+        entry = self.law.entry if self.link is None else self.link.at(self._sensed)
         try:
-            self.law.entry(
+            entry(
                 self._own_row,
                 members.positions,
                 members.bearings,
