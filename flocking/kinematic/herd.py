@@ -18,6 +18,7 @@ from flocking.angles import wrapped
 from flocking.errors import InputError, StorageError
 from flocking.kinematic.arrays import Bodies, HerdArrays, Limits, Minds, Tracks
 from flocking.kinematic.bands import Band, Space, check_linked
+from flocking.kinematic.failing import Failures
 from flocking.perception import Step
 from flocking.tessellation import tessellated
 from flocking.types import Bools, Floats, Ints, Kind
@@ -92,16 +93,6 @@ class Schedule(NamedTuple):
                 "numbers of at least 0 and 1"
             )
         return self._replace(steps=int(steps), every=int(every))
-
-
-class Failures(NamedTuple):
-    """Which members of a herd of N fail, and when: from that step on they stand for good, and others still see them."""
-
-    steps: Ints
-    """(N,) the step, from 0, at whose begin each fails; those who never do have one beyond the last."""
-    middles: Sequence[tuple[int, Ints]] = ()
-    """Steps, from 0, and members: at the begin of each that of these fails which still moves and is the nearest to the
-    middle of those who do."""
 
 
 class Progress(NamedTuple):
@@ -285,9 +276,8 @@ class KinematicHerd:
         first, end, count = done - done % every, done + steps, len(self.positions)
         while done < end:
             self._tessellate()
-            if self.failures is not None:
-                self._fail(done, self.failures)
-            if len(self.bands) > 1 or self.voronoi or self.failures is not None or self.pace < count:
+            self._fail(done)
+            if len(self.bands) > 1 or self.voronoi or self.pace < count or not self.working.any():
                 if synchronous:
                     self._together(done)
                 else:
@@ -297,13 +287,17 @@ class KinematicHerd:
                     _kernel().record(self.bodies, tracks[(done - first) // every - 1])
             else:
                 piece = min(end - done, self.pace // count, self.most_steps)
+                if self.failures is not None:
+                    piece = min(piece, self.failures.until_next(done))
                 kept = Tracks(tracks, every, done - first)
                 if synchronous:
                     draws = self.law_rng.random((piece, count, self.draws[0]))
-                    self._run(_kernel().synchronous, 0, self.members[0], draws, kept, done, (0,))
+                    who, draws = self._of_working(self.members[0], draws)
+                    self._run(_kernel().synchronous, 0, who, draws, kept, done, (0,))
                 else:
                     order = np.argsort(self.order_rng.random((piece, count)), axis=1)
-                    draws = self.law_rng.random((piece, count, self.draws[0]))
+                    order = np.ascontiguousarray(order[self.working[order]].reshape(piece, -1))
+                    draws = self.law_rng.random((*order.shape, self.draws[0]))
                     self._run(_kernel().asynchronous, 0, order, draws, kept, done)
                 done += piece
             if said is not None:
@@ -317,21 +311,21 @@ class KinematicHerd:
                 part = who[first : first + self.pace]
                 draws = self.law_rng.random((1, len(part), self.draws[band]))
                 first += len(part)
-                if not self.working[part].all():
-                    works = self.working[part]
-                    part, draws = part[works], np.ascontiguousarray(draws[:, works])
+                part, draws = self._of_working(part, draws)
                 if len(part):
                     self._run(_kernel().synchronous, band, part, draws, self._nothing, step, (1,))
         _kernel().move_all(self.arrays)
 
-    def _fail(self, step: int, failures: Failures) -> None:
+    def _of_working(self, who: Ints, draws: Floats) -> tuple[Ints, Floats]:
+        """Those of the members that have not failed, and their draws (steps, n, DRAWS)."""
+        works = self.working[who]
+        return (who, draws) if works.all() else (who[works], np.ascontiguousarray(draws[:, works]))
+
+    def _fail(self, step: int) -> None:
         """Lets those members stand, from now on, that fail at the begin of this step."""
-        for at, members in failures.middles:
-            moving = members[self.working[members]]
-            if at == step and len(moving):
-                places = self.positions[moving]
-                failures.steps[moving[np.hypot(*(places - places.mean(axis=0)).T).argmin()]] = step
-        failed = np.flatnonzero(self.working & (failures.steps <= step))
+        if self.failures is None:
+            return
+        failed = self.failures.due(step, self.working, self.positions)
         self.working[failed] = False
         self.arrays.motions[failed] = (float(Kind.STOP), 0.0, 0.0, 0.0)
         self.bodies.velocities[failed] = 0.0

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from flocking import lawentry
-from flocking.kinematic import Band, Failures, History, Schedule, simulate, start_uniform
+from flocking.kinematic import Band, Failures, History, Schedule, herd, simulate, start_uniform
 from flocking.types import Ints
 
 COUNT, STEPS = 12, 40
@@ -76,3 +76,17 @@ def test_the_one_in_the_middle_fails() -> None:
     assert np.flatnonzero(failures.steps < STEPS).tolist() == sorted([0, middle])
     assert np.ptp(found.positions_w[10:, middle], axis=0).max() == 0.0
     assert math.isfinite(found.positions_w.sum())
+
+
+@pytest.mark.parametrize("synchronous", [True, False])
+def test_one_history_however_many_steps_are_done_at_a_time(synchronous: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Step by step, and in pieces that end where somebody fails."""
+
+    def once() -> History:
+        failing = Failures(steps(member_0=3, member_4=17), [(25, np.arange(COUNT))])
+        return moved(failing, "vicsek", synchronous=synchronous)
+
+    pieces = once()
+    monkeypatch.setattr(herd, "FIRST_DECISIONS", 1)
+    monkeypatch.setattr(herd, "PIECE_S", 1e-9)
+    np.testing.assert_array_equal(pieces.poses_w, once().poses_w)

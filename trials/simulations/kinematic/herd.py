@@ -235,9 +235,32 @@ def _band(trial: Trial, number: int, centre: Floats) -> Band:
 
 
 def _parts(bands: Sequence[Band], groups: Sequence[Group]) -> list[Band]:
-    """One band a group, or two where a group has leaders and others: the leaders come first."""
+    """One band a group, or two where a group has leaders and others: the leaders come first. None of nobody; one of
+    groups that follow one another and differ in no more than parameters and goals."""
     there = [pair for pair in zip(bands, groups, strict=True) if pair[1].count > 0]
-    return [part for band, group in there for part in _by_role(band, group)]
+    parts: list[Band] = []
+    for part in (part for band, group in there for part in _by_role(band, group)):
+        if parts and _alike(parts[-1]) == _alike(part):  # one band is the faster
+            parts[-1] = _joined(parts[-1], part)
+        else:
+            parts.append(part)
+    return parts
+
+
+def _alike(band: Band) -> dict[str, Any]:
+    """What the members of two bands must share to be one: all but their number, their goals and their parameters."""
+    own = {field.name: getattr(band, field.name) for field in dataclasses.fields(band)}
+    return {name: value for name, value in own.items() if name not in ("count", "goals_w", "parameters")}
+
+
+def _joined(first: Band, second: Band) -> Band:
+    """Two bands that differ in what each member has of its own, as one."""
+    each: list[Mapping[str, Any]] = []
+    for band in (first, second):
+        given = band.parameters
+        each += band.count * [given] if isinstance(given, Mapping) else given
+    goals = np.concatenate([_goals(first), _goals(second)])
+    return dataclasses.replace(first, count=first.count + second.count, goals_w=goals, parameters=each)
 
 
 def _by_role(band: Band, group: Group) -> list[Band]:

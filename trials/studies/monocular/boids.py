@@ -64,12 +64,12 @@ def filled_in(trial: Trial) -> Trial:
 
 
 def _knowing(group: Group, trial: Trial) -> Group:
-    """A group that knows whom to fear and what to drive round, by their numbers."""
+    """A group that knows whom to fear and what to drive round, by their numbers; a predator does not see itself."""
     if group.law != LAW or group.selection != "all":
         return group
     herd, predators, obstacles = (each.count for each in trial.groups)
     sets = []
-    if predators and group.name == HERD:
+    if predators:
         sets.append(f"threats: {SEEN} & fixed-set({', '.join(str(herd + k) for k in range(predators))})")
     if obstacles:
         first = herd + predators

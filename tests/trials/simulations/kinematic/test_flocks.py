@@ -11,7 +11,7 @@ import pytest
 from flocking.errors import InputError
 from trials import keys, simulations
 from trials.simulations.kinematic import failures, fields, flocks
-from trials.simulations.kinematic.herd import check
+from trials.simulations.kinematic.herd import assemble, check
 from trials.simulations.kinematic.loop import FAILED_S
 from trials.types import Trial
 
@@ -109,3 +109,14 @@ def test_a_group_of_nobody_is_no_group() -> None:
     assert simulations.run_trial(both).poses_w.tobytes() == simulations.run_trial(alone).poses_w.tobytes()
     with pytest.raises(InputError, match="expected at least 1 member"):
         check(fields.trial("made-up", 1, [fields.group("vicsek", 0)], steps=20))
+
+
+def test_groups_that_differ_in_parameters_alone_move_as_one_band_or_as_two() -> None:
+    """Vicsek's law with two noises; a limit that is never reached keeps the groups apart."""
+    first = fields.group("vicsek", 7, law_parameters={"noise_rad": 0.1})
+    second = {"name": "others", "law_parameters": {"noise_rad": 2.0}}
+    one = fields.trial("made-up", 1, [first, fields.group("vicsek", 5, **second)], steps=50)  # type: ignore[arg-type]
+    limited = fields.group("vicsek", 5, max_speed_m_s=1e6, **second)  # type: ignore[arg-type]
+    two = fields.trial("made-up", 1, [first, limited], steps=50)
+    assert [len(assemble(trial).bands) for trial in (one, two)] == [1, 2]
+    assert simulations.run_trial(one).poses_w.tobytes() == simulations.run_trial(two).poses_w.tobytes()
