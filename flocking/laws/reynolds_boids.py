@@ -73,9 +73,10 @@ def law(
             to_x += x
             to_y += y
             squared = x * x + y * y
-            if 0.0 < squared < nearest:
-                away_x -= x / squared
-                away_y -= y / squared
+            # without a branch, which a processor would often guess wrong: what is divided by infinity adds nothing
+            over = squared if (squared > 0.0) & (squared < nearest) else math.inf
+            away_x -= x / over
+            away_y -= y / over
     away_x, away_y = unit(away_x, away_y)
     with_x, with_y = unit(with_x, with_y)
     to_x, to_y = unit(to_x, to_y)
