@@ -60,7 +60,7 @@ if _module is None:
     _module = importlib.util.module_from_spec(_spec)
     sys.modules[{module!r}] = _module
     _spec.loader.exec_module(_module)
-law = numba.njit(_module.law, boundscheck={boundscheck}, _nrt={allocates})
+law = numba.njit(_module.law, boundscheck={boundscheck}, _nrt={allocates}, forceinline=True)
 Parameters = _module.Parameters
 
 
