@@ -117,11 +117,11 @@ def compiled(function: Callable[..., Any]) -> Any:
     return _dispatcher(function)
 
 
-def compiled_for(signature: Any) -> Callable[[Callable[..., Any]], Any]:
-    """As `compiled`, at once and for one signature of Numba's."""
+def compiled_for(signature: Any, **options: Any) -> Callable[[Callable[..., Any]], Any]:
+    """As `compiled`, at once and for one signature of Numba's; `options` of Numba's too."""
 
     def decorated(function: Callable[..., Any]) -> Any:
-        return compiled_now(_dispatcher(function), signature)
+        return compiled_now(_dispatcher(function, **options), signature)
 
     return decorated
 

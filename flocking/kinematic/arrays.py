@@ -92,6 +92,8 @@ class HerdArrays(NamedTuple):
     """(N, 4) kind, x, y and rule of what each member decided last; body frame."""
     forward: bool
     """Whether members move by their old velocity, before they take up the new one."""
+    axes: Floats
+    """(N, 3) a heading of each member, and its cosine and sine, once worked out; nan = none yet."""
 
 
 class Tracks(NamedTuple):
@@ -176,7 +178,7 @@ def example_herd() -> HerdArrays:
     limits = Limits(np.empty(0), np.empty(0), np.empty(0), np.empty(0))
     minds = Minds(np.empty((0, 0)), np.empty((0, 2)))
     place = Place(0.0, np.empty((0, 4)), 0.0, np.empty((0, 0), np.bool_), np.empty((0, 0), np.bool_))
-    return HerdArrays(example_bodies(), limits, minds, place, 0.0, np.empty((0, 4)), False)
+    return HerdArrays(example_bodies(), limits, minds, place, 0.0, np.empty((0, 4)), False, np.empty((0, 3)))
 
 
 def example_tracks() -> Tracks:

@@ -234,7 +234,8 @@ class KinematicHerd:
             np.zeros((count, 2), np.bool_),
             np.zeros((count, max(stages.memory for stages in self.stages))),
         )
-        self.arrays = HerdArrays(self.bodies, limits, minds, place, float(dt), np.zeros((count, 4)), forward)
+        motions, axes = np.zeros((count, 4)), np.full((count, 3), np.nan)
+        self.arrays = HerdArrays(self.bodies, limits, minds, place, float(dt), motions, forward, axes)
         self.draws = [band.law.draws for band in bands]
         self.most_steps = max(1, MOST_DRAWS // (count * (1 + max(self.draws))))
         self.pace = max(1, min(FIRST_DECISIONS, FIRST_LOOKS // count))
@@ -314,7 +315,7 @@ class KinematicHerd:
                 part, draws = self._of_working(part, draws)
                 if len(part):
                     self._run(_kernel().synchronous, band, part, draws, self._nothing, step, (1,))
-        _kernel().move_all(self.arrays)
+        _kernel().move_all(self.arrays, np.empty_like(self.positions))
 
     def _of_working(self, who: Ints, draws: Floats) -> tuple[Ints, Floats]:
         """Those of the members that have not failed, and their draws (steps, n, DRAWS)."""

@@ -13,13 +13,14 @@ import numba
 import numpy as np
 from numba.core import sigutils, types
 
-from flocking.compilation import borrowing, compiled_for
+from flocking.compilation import borrowing, compiled_for, inlined
 from flocking.kinematic import arrays
 from flocking.kinematic.arrays import Bodies, HerdArrays, Place, Stages, Tracks
-from flocking.kinematic.cells import binned, cells_of
+from flocking.kinematic.cells import FEWEST_MEMBERS, Cells, binned, cells_of, no_cells
 from flocking.kinematic.mind import decide, near_walls_of
 from flocking.kinematic.motion import move
-from flocking.kinematic.sight import Crowd, assemble, in_columns, scratch
+from flocking.kinematic.sight import Crowd, Scratch, assemble, in_columns, scratch
+from flocking.kinematic.views import first
 from flocking.kinematic.walls import shortest
 from flocking.lawentry import ENTRY_SIGNATURE
 from flocking.types import Floats, Ints
@@ -56,12 +57,54 @@ _STAGES, _HERD, _TRACKS = (
 _F, _I = types.float64, types.int64
 
 
-@compiled_for(types.void(_HERD))
-def move_all(herd: HerdArrays) -> None:
-    """Moves everybody as decided: the second half of a synchronous step."""
-    others = herd.bodies.positions.copy()
-    for i in range(len(others)):
-        move(i, herd, others)
+@compiled_for(types.void(_HERD, _F[:, ::1]), _nrt=False)
+def move_all(herd: HerdArrays, room: Floats) -> None:
+    """Moves everybody as decided: the second half of a synchronous step. `room` (N, 2): for where they are before."""
+    positions = herd.bodies.positions
+    for i in range(len(positions)):
+        room[i, 0], room[i, 1] = positions[i, 0], positions[i, 1]
+    for i in range(len(positions)):
+        move(i, herd, room)
+
+
+@inlined
+def decide_all(
+    law: Callable[..., None],
+    step: int,
+    stages: Stages,
+    herd: HerdArrays,
+    who: Ints,
+    rows: Ints,
+    crowd: Crowd,
+    cells: Cells,
+    draws: Floats,
+    room: Scratch,
+    turn: Ints,
+) -> bool:
+    """Has the members `who` decide in turn, the first half of a synchronous step. False if the law failed.
+
+    All of them do so in the order of the cells, if there are any. `rows` (N,) is room for the members' rows of the
+    crowd; the rest as in `synchronous`.
+    """
+    bodies, place, motions, motion = herd.bodies, herd.place, herd.motions, room.motion
+    by_cells = cells.columns > 0 and len(who) == len(rows)
+    if len(room.columns) > 0:
+        in_columns(bodies, room.columns)
+    seen = len(room.near_walls)
+    if (stages.obstacles or stages.avoids or stages.virtual) and place.period == 0.0:
+        seen = near_walls_of(bodies.positions, place.walls, stages.sight, room.near_walls)
+    for k in range(0 if by_cells else len(rows)):
+        rows[crowd.ids[k]] = k
+    for k in range(len(who)):
+        at = crowd.ids[k] if by_cells else k
+        i = who[at]
+        row = k if by_cells else rows[i]
+        turn[0], turn[1] = step, i
+        sound = decide(law, i, row, stages, herd, crowd, cells, first(room.near_walls, seen), draws[step, at], room)
+        motions[i, 0], motions[i, 1], motions[i, 2], motions[i, 3] = motion[0], motion[1], motion[2], motion[3]
+        if not sound:
+            return False
+    return True
 
 
 @compiled_for(_I(_LAW, _STAGES, _HERD, _I[::1], _F[:, :, ::1], _TRACKS, _I[::1], _I))
@@ -81,41 +124,23 @@ def synchronous(
     is recorded (herds with several laws, or a step in parts). `turn` (2,) holds the step and the member at work, both
     from 0: they tell whose law failed or raised an error.
     """
-    bodies, motions = herd.bodies, herd.motions
+    bodies, period = herd.bodies, herd.place.period
     count = len(bodies.positions)
-    room = scratch(count, stages, len(herd.place.walls))
-    everybody, rows = np.arange(count), np.arange(count)
-    walled = (stages.obstacles or stages.avoids or stages.virtual) and herd.place.period == 0.0
+    room = scratch(count, stages, len(herd.place.walls), period)
+    everybody, rows, before = np.arange(count), np.arange(count), np.empty((count, 2))
     unsorted = Crowd(bodies.positions, bodies.headings, bodies.velocities, everybody)
     sorted_ = Crowd(np.empty((count, 2)), np.empty(count), np.empty((count, 2)), everybody.copy())
+    cells, crowd = no_cells(), unsorted
     for step in range(len(draws)):
-        cells = binned(bodies.positions, stages.reach, herd.place.period)
-        order = cells.members
-        crowd = unsorted
-        if cells.columns > 0:
-            assemble(bodies, cells, sorted_)
-            crowd = sorted_
-            cells = cells_of(cells, everybody)
-        by_cells = cells.columns > 0 and len(who) == count
-        if room.columns.shape[1] > 0:
-            in_columns(bodies, room.columns)
-        seen = len(room.near_walls)
-        if walled:
-            seen = near_walls_of(bodies.positions, herd.place.walls, stages.sight, room.near_walls)
-        near_walls = room.near_walls[:seen]
-        for k in range(0 if by_cells else count):
-            rows[order[k] if cells.columns > 0 else k] = k
-        for k in range(len(who)):
-            at = order[k] if by_cells else k
-            i = who[at]
-            row = k if by_cells else rows[i]
-            turn[0], turn[1] = step, i
-            sound = decide(law, i, row, stages, herd, crowd, cells, near_walls, draws[step, at], room)
-            motions[i] = room.motion
-            if not sound:
-                return 1
+        if count >= FEWEST_MEMBERS:
+            cells, crowd = binned(bodies.positions, stages.reach, period), unsorted
+            if cells.columns > 0:
+                assemble(bodies, cells, sorted_)
+                cells, crowd = cells_of(cells, everybody), sorted_
+        if not decide_all(law, step, stages, herd, who, rows, crowd, cells, draws, room, turn):
+            return 1
         if decides_only == 0:
-            move_all(herd)
+            move_all(herd, before)
             keep_step(bodies, tracks, step)
     return 0
 
@@ -154,7 +179,7 @@ def many(
     (J, N, 2), `walls` (W, 4) of all, those of herd j in the rows `ends[j]` to `ends[j + 1]`, `clearances` (J,), `draws`
     (J, steps, N, DRAWS). Writes `positions` (J, steps + 1, N, 2). `turn` (3,): the herd, step and member at work.
     """
-    bodies, limits, minds, place, dt, motions, forward = herd
+    bodies, limits, minds, place, dt, motions, forward, axes = herd
     count, steps = len(bodies.positions), draws.shape[1]
     who, rows = np.arange(count), np.empty((steps, count, 5))
     for j in range(len(poses)):
@@ -165,8 +190,9 @@ def many(
         bodies.turn_rates[:] = 0.0
         bodies.contacts[:] = False
         bodies.memory[:] = 0.0
+        axes[:] = math.nan
         here = Place(place.period, walls[ends[j] : ends[j + 1]], clearances[j], place.graph, place.tessellated)
-        one = HerdArrays(bodies, limits, minds, here, dt, motions, forward)
+        one = HerdArrays(bodies, limits, minds, here, dt, motions, forward, axes)
         positions[j, 0] = bodies.positions
         if synchronous(law, stages, one, who, draws[j], Tracks(rows, 1, 0), turn[1:], 0) != 0:
             return 1
@@ -196,7 +222,7 @@ def asynchronous(
     """
     bodies, motions, place = herd.bodies, herd.motions, herd.place
     count = len(bodies.positions)
-    room = scratch(count, stages, len(place.walls))
+    room = scratch(count, stages, len(place.walls), place.period)
     pad = PAD * stages.reach
     block = part_of(count, stages.reach)
     crowd = Crowd(bodies.positions, bodies.headings, bodies.velocities, np.arange(count))
@@ -206,7 +232,7 @@ def asynchronous(
         for k in range(order.shape[1]):
             i = order[step, k]
             turn[0], turn[1] = step, i
-            if room.columns.shape[1] > 0:
+            if len(room.columns) > 0:
                 in_columns(bodies, room.columns)
             sound = decide(law, i, i, stages, herd, crowd, cells, room.near_walls, draws[step, k], room)
             motions[i] = room.motion

@@ -12,7 +12,9 @@ from flocking.avoidance import avoid, virtual_members
 from flocking.compilation import borrowing, inlined
 from flocking.kinematic.arrays import BELOW, COSINE, LEAST, HerdArrays, Minds, Place, Stages
 from flocking.kinematic.cells import Cells
+from flocking.kinematic.motion import axes_of
 from flocking.kinematic.sight import Crowd, Focal, Scratch, detected
+from flocking.kinematic.views import first, folded
 from flocking.kinematic.walls import nearest_point
 from flocking.obstacle_selection import keep_selected
 from flocking.perception import ARGUMENTS, Step, keep, keep_between, keep_cone, keep_within
@@ -183,7 +185,8 @@ def decide(
     """
     bodies, minds, place = herd.bodies, herd.minds, herd.place
     heading = crowd.headings[row]
-    focal = Focal(i, crowd.positions[row, 0], crowd.positions[row, 1], heading, math.cos(heading), math.sin(heading))
+    cosine, sine = axes_of(i, heading, herd.axes)
+    focal = Focal(i, crowd.positions[row, 0], crowd.positions[row, 1], heading, cosine, sine)
     know_oneself(focal, crowd.velocities[row, 0], crowd.velocities[row, 1], stages, herd, room.own)
     found = detected(focal, stages, crowd, cells, place.period, room)
     blocks = 0
@@ -200,20 +203,20 @@ def decide(
         blocks = keep_selected(stages.obstacle_steps, stages.obstacle_given, room.obstacles, blocks)
         if stages.virtual:
             found = with_virtual(found, room.obstacles[:blocks], stages, room)
-    select(i, found, stages, minds, place, room)
-    sets = stages.steps.shape[0]
+    if not room.between.only:
+        select(i, found, stages, minds, place, room)
     motion = room.motion
     law(
         room.own,
-        room.positions[:found],
-        room.bearings[:found],
-        room.headings[:found],
-        room.velocities[:found],
-        room.ids[:found],
-        room.sets[: sets * found].reshape(sets, found),
-        room.obstacles[: blocks if stages.obstacles else 0],
-        minds.parameters[min(i, len(minds.parameters) - 1), : stages.parameters],
-        bodies.memory[i, : stages.memory],
+        first(room.positions, found),
+        first(room.bearings, found),
+        first(room.headings, found),
+        first(room.velocities, found),
+        first(room.ids, found),
+        folded(room.sets, stages.steps.shape[0], found),
+        first(room.obstacles, blocks if stages.obstacles else 0),
+        first(minds.parameters[min(i, len(minds.parameters) - 1)], stages.parameters),
+        first(bodies.memory[i], stages.memory),
         u,
         motion,
     )
@@ -228,7 +231,7 @@ def decide(
             room.own[0],
             room.own[1],
             herd.dt,
-            room.obstacles[:blocks],
+            first(room.obstacles, blocks),
             stages.look_ahead,
             stages.margin,
         )

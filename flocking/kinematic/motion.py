@@ -23,16 +23,25 @@ BOTH_BUMPERS_RAD = math.radians(15.0)
 
 
 @borrowing
+def axes_of(i: int, heading: float, axes: Floats) -> tuple[float, float]:
+    """Cosine and sine of the heading of member i, out of `axes` where they are known; else `axes` has them then."""
+    if axes[i, 0] != heading:
+        axes[i, 0], axes[i, 1], axes[i, 2] = heading, math.cos(heading), math.sin(heading)
+    return axes[i, 1], axes[i, 2]
+
+
+@borrowing
 def wanted(
-    kind: int, x: float, y: float, heading: float, vx: float, vy: float, cruise: float, dt: float
+    i: int, kind: int, x: float, y: float, vx: float, vy: float, heading: float, axes: Floats, cruise: float, dt: float
 ) -> tuple[float, float, float]:
-    """Velocity (world) and heading that a motion means, before any limit."""
+    """Velocity (world) and heading that a motion of member i means, before any limit."""
     if kind == Kind.STOP:
         return 0.0, 0.0, heading
     if kind == Kind.HEADING:
         heading += x
-        return y * math.cos(heading), y * math.sin(heading), heading
-    c, s = math.cos(heading), math.sin(heading)
+        c, s = axes_of(i, heading, axes)
+        return y * c, y * s, heading
+    c, s = axes_of(i, heading, axes)
     if kind == Kind.WAY_POINT:
         distance = math.sqrt(x * x + y * y)
         if distance == 0.0:
@@ -52,9 +61,11 @@ def wanted(
 
 @borrowing
 def within_limits(
+    i: int,
     vx: float,
     vy: float,
     heading: float,
+    axes: Floats,
     before: float,
     backwards: bool,
     max_speed: float,
@@ -72,9 +83,10 @@ def within_limits(
     most = max_turn_rate * dt
     if abs(turn) > most:
         heading = before + math.copysign(most, turn)
-        along = vx * math.cos(heading) + vy * math.sin(heading)
+        c, s = axes_of(i, heading, axes)
+        along = vx * c + vy * s
         along = min(0.0, along) if backwards else max(0.0, along)
-        vx, vy = along * math.cos(heading), along * math.sin(heading)
+        vx, vy = along * c, along * s
     return vx, vy, wrap(heading)
 
 
@@ -146,10 +158,11 @@ def move(i: int, herd: HerdArrays, others: Floats) -> None:
     bodies.contacts[i, 0] = bodies.contacts[i, 1] = False
     if herd.forward:
         displace(i, herd, others)
-    vx, vy, heading = wanted(kind, x, y, before, bodies.velocities[i, 0], bodies.velocities[i, 1], limits.cruise[i], dt)
+    vx, vy, axes = bodies.velocities[i, 0], bodies.velocities[i, 1], herd.axes
+    vx, vy, heading = wanted(i, kind, x, y, vx, vy, before, axes, limits.cruise[i], dt)
     backwards = kind == Kind.HEADING and y < 0.0
     vx, vy, heading = within_limits(
-        vx, vy, heading, before, backwards, limits.max_speed[i], limits.max_turn_rate[i], dt
+        i, vx, vy, heading, axes, before, backwards, limits.max_speed[i], limits.max_turn_rate[i], dt
     )
     bodies.headings[i] = heading
     bodies.turn_rates[i] = wrap(heading - before) / dt

@@ -13,11 +13,11 @@ import numpy as np
 from flocking.angles import turn_between
 from flocking.compilation import borrowing, compiled, inlined
 from flocking.kinematic import detection
-from flocking.kinematic.arrays import BEARINGS, Bodies, Stages
+from flocking.kinematic.arrays import BEARINGS, BELOW, LEAST, Bodies, Stages
 from flocking.kinematic.cells import FEWEST_MEMBERS, Cells, nearby
 from flocking.kinematic.walls import shortest
 from flocking.lawentry import OWN_SIZE
-from flocking.perception import ARGUMENTS
+from flocking.perception import ARGUMENTS, Step
 from flocking.types import Bools, Floats, Ints
 
 
@@ -43,6 +43,17 @@ class Focal(NamedTuple):
     """Of its heading."""
     sine: float
     """Likewise."""
+
+
+class Between(NamedTuple):
+    """The selection of the most laws, by distance alone: done while the inputs are written, instead of afterwards."""
+
+    only: bool
+    """Whether it is the whole of stage 3."""
+    least: float
+    """Square of the distance from which on members are selected, as `flocking.perception.squared_bound` makes it."""
+    below: float
+    """Likewise, of that below which they are."""
 
 
 class Scratch(NamedTuple):
@@ -86,19 +97,27 @@ class Scratch(NamedTuple):
     """(2 · M,) the same memory as `positions`, and the next as `velocities`: so an index costs no multiplication."""
     flat_velocities: Floats
     columns: Floats
-    """(8, N) of all members x, y, vx, vy, world, then body frame; (8, 0) where members are looked at one by one."""
+    """(8 · FEWEST_MEMBERS,) x, y, vx, vy of all members, world frame, then in that of the body, one column after the
+    other; (0,) where members are looked at one by one."""
+    between: Between
     near_walls: Ints
     """(W,) the walls that anybody may see, those first that `near_walls_of` counts."""
 
 
 @compiled
-def scratch(count: int, stages: Stages, walls: int) -> Scratch:
+def scratch(count: int, stages: Stages, walls: int, period: float) -> Scratch:
     """Room for what members with these stages see in a herd of `count` members, among so many walls."""
     sets, beams = stages.steps.shape[0], 0
     if stages.detection != detection.Detection.PERFECT:
         beams = detection.BEAMS
     room = max(count, beams) + walls
     plain = beams == 0 and stages.velocities and not stages.headings and count < FEWEST_MEMBERS
+    between = Between(False, 0.0, 0.0)
+    if plain and stages.steps.size == 1 and stages.steps[0, 0] == Step.DISTANCE_BASED and not stages.varied:
+        given = stages.given[0, 0]
+        # what is put elsewhere, or comes as an obstacle, is selected by where it then is
+        moved = stages.virtual or stages.information == BEARINGS or period > 0.0
+        between = Between(not moved, given[LEAST], given[BELOW])
     flat_positions, flat_velocities = np.empty(2 * room), np.full(2 * room, np.nan)
     return Scratch(
         np.zeros(OWN_SIZE),
@@ -111,7 +130,7 @@ def scratch(count: int, stages: Stages, walls: int) -> Scratch:
         flat_velocities.reshape(room, 2),
         np.empty(room, np.int64),
         np.empty(room, np.int64),
-        np.empty(room * sets, np.bool_),
+        np.empty(room * max(1, sets), np.bool_),
         np.zeros(room, np.bool_),
         np.zeros(room, np.bool_),
         np.empty(ARGUMENTS),
@@ -122,7 +141,8 @@ def scratch(count: int, stages: Stages, walls: int) -> Scratch:
         np.empty(4),
         flat_positions,
         flat_velocities,
-        np.empty((8, count if plain else 0)),
+        np.empty(8 * FEWEST_MEMBERS if plain else 0),
+        between,
         np.arange(walls),
     )
 
@@ -218,46 +238,50 @@ def describe(focal: Focal, found: int, stages: Stages, crowd: Crowd, room: Scrat
 
 @borrowing
 def in_columns(bodies: Bodies, columns: Floats) -> None:
-    """Writes x, y, vx and vy of all members into the first four rows of `columns`."""
-    xs, ys, vxs, vys = columns[0], columns[1], columns[2], columns[3]
+    """Writes x, y, vx and vy of all members into the first four columns."""
     for j in range(len(bodies.positions)):
-        xs[j], ys[j] = bodies.positions[j, 0], bodies.positions[j, 1]
-        vxs[j], vys[j] = bodies.velocities[j, 0], bodies.velocities[j, 1]
+        columns[j], columns[FEWEST_MEMBERS + j] = bodies.positions[j, 0], bodies.positions[j, 1]
+        columns[2 * FEWEST_MEMBERS + j], columns[3 * FEWEST_MEMBERS + j] = (
+            bodies.velocities[j, 0],
+            bodies.velocities[j, 1],
+        )
 
 
 @borrowing
-def turn_columns(focal: Focal, squared: float, columns: Floats, near: Ints) -> None:
-    """Writes where all members are and how they move, body frame, into the last four rows; 1 for those within reach.
+def turn_columns(focal: Focal, squared: float, between: Between, columns: Floats, near: Ints) -> None:
+    """Writes where all members are and how they move, body frame, into the last four columns.
 
-    Nothing in its loops depends on the member before, so that a processor does several at a time.
+    `near` of a member is 0 beyond reach, 1 within, and 3 if it is also selected. Nothing in the loop depends on the
+    member before, and the columns lie at fixed distances, so that a processor does several members at a time.
     """
     x, y, c, s = focal.x, focal.y, focal.cosine, focal.sine
-    xs, ys, vxs, vys = columns[0], columns[1], columns[2], columns[3]
-    to_x, to_y, by_x, by_y = columns[4], columns[5], columns[6], columns[7]
-    for j in range(len(xs)):
-        dx, dy = xs[j] - x, ys[j] - y
-        to_x[j], to_y[j] = c * dx + s * dy, c * dy - s * dx
-        near[j] = dx * dx + dy * dy <= squared
-    for j in range(len(xs)):
-        vx, vy = vxs[j], vys[j]
-        by_x[j], by_y[j] = c * vx + s * vy, c * vy - s * vx
+    for j in range(len(near)):
+        dx, dy = columns[j] - x, columns[FEWEST_MEMBERS + j] - y
+        vx, vy = columns[2 * FEWEST_MEMBERS + j], columns[3 * FEWEST_MEMBERS + j]
+        to_x, to_y = c * dx + s * dy, c * dy - s * dx
+        columns[4 * FEWEST_MEMBERS + j], columns[5 * FEWEST_MEMBERS + j] = to_x, to_y
+        columns[6 * FEWEST_MEMBERS + j], columns[7 * FEWEST_MEMBERS + j] = c * vx + s * vy, c * vy - s * vx
+        away = to_x * to_x + to_y * to_y
+        selected = (between.least <= away) & (away < between.below)
+        near[j] = np.int64(dx * dx + dy * dy <= squared) * (1 + 2 * np.int64(selected))
     near[focal.id] = 0
 
 
 @borrowing
-def pack_columns(columns: Floats, near: Ints, positions: Floats, velocities: Floats, ids: Ints) -> np.int64:
+def pack_columns(
+    columns: Floats, near: Ints, positions: Floats, velocities: Floats, ids: Ints, selected: Bools
+) -> np.int64:
     """Writes those within reach one after the other as inputs, whose flat rows these are; returns how many."""
-    to_x, to_y, by_x, by_y = columns[4], columns[5], columns[6], columns[7]
     count, one = np.uint64(0), np.uint64(1)  # unsigned: no index is looked at for being negative
     for j in range(len(near)):
-        x, y, vx, vy, counts = to_x[j], to_y[j], by_x[j], by_y[j], near[j]
-        at = count + count
-        positions[at] = x
-        positions[at + one] = y
-        velocities[at] = vx
-        velocities[at + one] = vy
+        at, now = count + count, near[j]
+        positions[at] = columns[4 * FEWEST_MEMBERS + j]
+        positions[at + one] = columns[5 * FEWEST_MEMBERS + j]
+        velocities[at] = columns[6 * FEWEST_MEMBERS + j]
+        velocities[at + one] = columns[7 * FEWEST_MEMBERS + j]
         ids[count] = j
-        count += np.uint64(counts)
+        selected[count] = now > 1
+        count += np.uint64(now & 1)
     return np.int64(count)
 
 
@@ -289,9 +313,10 @@ def owners_of(found: int, candidates_: Ints, sources: Ints) -> None:
 def detected(focal: Focal, stages: Stages, crowd: Crowd, cells: Cells, period: float, room: Scratch) -> int:
     """Stage 2: writes the set D of the focal member in its body frame; returns its size."""
     perfect = stages.detection == detection.Detection.PERFECT
-    if room.columns.shape[1] > 0 and period == 0.0 and cells.columns == 0:
-        turn_columns(focal, stages.reach * stages.reach, room.columns, room.candidates)
-        found = pack_columns(room.columns, room.candidates, room.flat_positions, room.flat_velocities, room.ids)
+    if len(room.columns) > 0 and period == 0.0 and cells.columns == 0:
+        columns, near = room.columns, room.candidates
+        turn_columns(focal, stages.reach * stages.reach, room.between, columns, near)
+        found = pack_columns(columns, near, room.flat_positions, room.flat_velocities, room.ids, room.sets)
         if stages.information == BEARINGS:
             at_distance(room.positions, found, stages.assumed_distance)
         if stages.bearings:
