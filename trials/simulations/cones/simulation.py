@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from flocking import found
-from flocking.errors import InputError, unknown_name
+from flocking.errors import InputError
 from flocking.parameters import declared, filled
 from sensing.camera import imperfections, setting
 from trials.rows import Section, section
@@ -42,14 +42,7 @@ def check(trial: Trial) -> None:
     """Refuses a trial whose names and numbers do not fit one another: `InputError`."""
     fields.of_trial(trial)
     group = fields.group_of(trial)
-    own = fields.of_group(group)
-    if own.body not in fields.body_names():
-        raise unknown_name("body with cameras", own.body, fields.body_names())
-    if not fields.reads_images(own.pipeline):
-        raise InputError(
-            f"{group.name}.pipeline = {own.pipeline!r} reads no images; expected one of "
-            f"{', '.join(fields.pipeline_names())}"
-        )
+    fields.of_group(group)
     _pipeline(group)
     fields.cameras_of(group)
     fields.imperfections_of(group)
