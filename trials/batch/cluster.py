@@ -31,6 +31,7 @@ ASK_S = 30.0
 CLOSE_S = 2.0
 """Wall time for taking leave of a scheduler."""
 EXTRA = "pip install 'create-herd[cluster]'"
+ENCRYPTED = ("tls://", "wss://")
 _ADDRESS = re.compile(r"((tcp|tls|ws|wss)://)?(\[[0-9a-fA-F:.]+\]|[^\s:/\[\]]+):[0-9]{1,5}")
 
 
@@ -125,15 +126,18 @@ def _client(address: str) -> Any:
         raise InputError(f"--cluster needs dask.distributed, which is not installed: {EXTRA}") from None
     if not _ADDRESS.fullmatch(address):
         raise InputError(f"--cluster {address!r}: expected the address of a scheduler, as in tcp://192.168.1.5:8786")
+    _check_certificates(address)
+    client = distributed.Client.__new__(distributed.Client)
     try:
         with warnings.catch_warnings(action="ignore"):  # versions are compared here
-            client = distributed.Client(address, timeout=CONNECT_S, set_as_default=False)
+            client.__init__(address, timeout=CONNECT_S, set_as_default=False)
     except OSError:
         raise InputError(
             f"--cluster {address}: no Dask scheduler answered there within {CONNECT_S:g} s; start one with: "
             "dask scheduler"
         ) from None
     except Exception as error:
+        client.status = "closed"  # else its end waits in vain for a connection that it never had, and prints that
         raise InputError(
             f"--cluster {address}: cannot speak to what answers there ({one_line(str(error))}); expected a Dask "
             f"scheduler with distributed {distributed.__version__}"
@@ -147,6 +151,24 @@ def _client(address: str) -> Any:
             raise InputError(f"--cluster {address}: the scheduler there ceased to answer") from None
         raise
     return client
+
+
+def _check_certificates(address: str) -> None:
+    """Refuses an encrypted address where Dask's configuration has no certificates for it: `InputError`."""
+    from distributed.security import Security
+
+    if not address.startswith(ENCRYPTED):
+        return
+    try:
+        context = Security().get_connection_args("client")["ssl_context"]
+        why = "" if context is not None else "names none"
+    except (OSError, ValueError) as error:  # files that are missing, or hold no certificate
+        why = f"names some that cannot be read ({one_line(str(error))})"
+    if why:
+        raise InputError(
+            f"--cluster {address}: it is encrypted, which takes certificates, and Dask's configuration {why}; expected "
+            "distributed.comm.tls.ca-file, .client.cert and .client.key in it, or a scheduler at tcp://"
+        )
 
 
 def check_scheduler(address: str, theirs: Mapping[str, Any], ours: Mapping[str, Any]) -> None:

@@ -242,6 +242,47 @@ def test_an_address_without_a_scheduler(monkeypatch: pytest.MonkeyPatch) -> None
             cluster.Cluster(f"tcp://127.0.0.1:{nobody.getsockname()[1]}")
 
 
+ALONE = """
+import socket, sys, threading
+from flocking.errors import InputError
+from trials.batch import cluster
+
+def answer(listening):
+    while True:
+        listening.accept()[0].sendall(b"HTTP/1.0 400 no" * 100)
+
+with socket.create_server(("127.0.0.1", 0)) as listening:
+    threading.Thread(target=answer, args=(listening,), daemon=True).start()
+    try:
+        cluster.Cluster(f"{sys.argv[1]}://127.0.0.1:{listening.getsockname()[1]}")
+    except InputError as error:
+        print(error)
+"""
+
+
+@pytest.mark.parametrize(
+    ("scheme", "certificate", "told"),
+    [
+        ("tls", "", "Dask's configuration names none; expected distributed.comm.tls.ca-file"),
+        ("wss", "", "Dask's configuration names none; expected distributed.comm.tls.ca-file"),
+        ("tls", "nowhere.pem", "names some that cannot be read ([Errno 2] No such file or directory"),
+        ("tcp", "", "cannot speak to what answers there"),
+    ],
+)
+def test_what_cannot_be_spoken_to_is_told_in_one_line_and_nothing_comes_after_it(
+    scheme: str, certificate: str, told: str
+) -> None:
+    """In a process of its own, to its end: a client of Dask that is not closed tells of that when it is removed."""
+    tls = {"CA_FILE": certificate, "CLIENT__CERT": certificate, "CLIENT__KEY": certificate}
+    given = {f"DASK_DISTRIBUTED__COMM__TLS__{name}": value for name, value in tls.items() if value}
+    words = [sys.executable, "-c", ALONE, scheme]
+    env = {**dask_cluster.environment(dask_cluster.HOME), **given}
+    ended = subprocess.run(words, env=env, capture_output=True, text=True, timeout=dask_cluster.DEADLINE_S)
+    assert ended.stderr == ""
+    assert told in ended.stdout
+    assert ended.stdout.count("\n") == 1
+
+
 @pytest.mark.parametrize("address", ["", "nowhere", "tcp://", "http://127.0.0.1:8786", "tcp://127.0.0.1", "a b:1"])
 def test_what_is_no_address(address: str) -> None:
     with pytest.raises(InputError, match="expected the address of a scheduler, as in tcp://"):
