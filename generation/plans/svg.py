@@ -19,13 +19,21 @@ import svgelements
 from lxml import etree
 
 from flocking.errors import InputError
-from generation.environment import REFLECTANCE, Environment, Mark
+from generation.environment import REFLECTANCE, START, Environment, Mark
 from generation.plans import svg_text
 from generation.plans.drawing import CURVES_TOLD, Count, contents, fence, pieces_of_arc, pieces_of_bezier
 from generation.plans.units import Unit, chosen
 from generation.primitives import BOTH, SAGITTA_M, Arc, Circle, Point, Polygon, Polyline, Primitive, Segment
 
 PARTS = ("workspace", "construct", "markers")
+DOT_M = 0.25
+"""Largest radius of a circle that, as a marker, is the place in its middle; `data-free` or a larger one makes it an
+area. A choice."""
+POINT = "point"
+_HOW = (
+    "a line from the place in its direction, with data-kind='point', or a circle about it, of at most "
+    f"{DOT_M:g} m or with data-kind='point'"
+)
 _SAME = 1e-6
 """Relative difference within which radii and centres of arcs are the same. A choice: drawings have eight digits."""
 
@@ -55,7 +63,10 @@ def read(path: Path, given: Unit | None) -> tuple[Environment, list[str]]:
             continue
         if name in markers:
             raise InputError(f"{path}: marker {name!r} is there twice: expected one")
-        markers[name] = _mark(made[0], element)
+        markers[name] = _mark(made[0], element, f"{path}: marker {name!r}")
+        if name == START and not isinstance(markers[name], Point):
+            kind = type(made[0]).__name__.lower()
+            raise InputError(f"{path}: marker {name!r} is a {kind}: expected a point, drawn as {_HOW}")
     if not (parts["workspace"] or parts["construct"] or markers):
         nothing = ", ".join(count.told())
         raise InputError(
@@ -161,13 +172,20 @@ def _round(arcs: list[Any], closed: bool, scale: float) -> Circle | Arc | None:
     return Arc(x, y, radius, math.atan2(begin_y - y, begin_x - x), min(abs(turn), 2.0 * math.pi))
 
 
-def _mark(made: Primitive, element: Any) -> Mark:
-    """A marker: what was drawn, or, where its `data-kind` is point, the place and direction of a line, or the middle of
-    a circle, whose direction is along x."""
-    if element.values.get("data-kind") == "point" and isinstance(made, Circle):
-        return Point(made.x_m, made.y_m)
-    if element.values.get("data-kind") == "point" and isinstance(made, Segment):
+def _mark(made: Primitive, element: Any, where: str) -> Mark:
+    """A marker: what was drawn, or, where its `data-kind` is point, the place and direction of a line.
+
+    A circle is the place in its middle, along x, where its `data-kind` says so, and where it is small and nothing says
+    where it is free.
+    """
+    is_point = element.values.get("data-kind") == POINT
+    if is_point and isinstance(made, Segment):
         return Point(made.x0_m, made.y0_m, math.atan2(made.y1_m - made.y0_m, made.x1_m - made.x0_m))
+    is_dot = isinstance(made, Circle) and made.radius_m <= DOT_M and "data-free" not in element.values
+    if isinstance(made, Circle) and (is_point or is_dot):
+        return Point(made.x_m, made.y_m)
+    if is_point:
+        raise InputError(f"{where} is a {type(made).__name__.lower()} with data-kind='point': expected {_HOW}")
     return made
 
 

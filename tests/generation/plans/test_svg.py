@@ -167,6 +167,22 @@ def test_what_cannot_be_seen_or_is_no_wall_is_left_out_and_told(tmp_path: Path) 
     assert "left out: 1 hidden, 1 text, 1 without stroke and fill" in told
 
 
+def test_a_marker_is_a_point_by_a_line_or_by_a_small_circle(tmp_path: Path) -> None:
+    found = drawn(
+        tmp_path,
+        """<g id="markers"><circle id="start" cx="1000" cy="2000" r="100"/>
+        <line id="goal" data-kind="point" x1="3000" y1="1000" x2="3000" y2="900"/>
+        <circle id="far" data-kind="point" cx="9000" cy="4000" r="400"/>
+        <circle id="area" cx="5000" cy="1000" r="300"/>
+        <circle id="hole" data-free="outside" cx="5000" cy="4000" r="100"/></g>""",
+    ).markers
+    near(found["start"], Point(1.0, -2.0, 0.0))
+    near(found["goal"], Point(3.0, -1.0, math.pi / 2))
+    near(found["far"], Point(9.0, -4.0, 0.0))
+    near(found["area"], Circle(5.0, -1.0, 0.3, BOTH))
+    near(found["hole"], Circle(5.0, -4.0, 0.1, "outside"))  # as an environment's own export says of each circle
+
+
 def ten(k: int) -> str:
     """A group that uses the one before it ten times."""
     return f'<g id="u{k + 1}">' + f'<use href="#u{k}"/>' * 10 + "</g>"
@@ -190,6 +206,15 @@ REFUSED = {
     "a million walls": ('<path d="M0 0' + "l1 1 1 -1" * 500_000 + '"/>', "more than"),
     "too deep": ("<g>" * 5000 + '<line x2="5"/>' + "</g>" * 5000, "broken XML"),
     "a marker twice": ('<g id="markers"><line id="goal" x2="5"/><line id="goal" x2="6"/></g>', "twice"),
+    "a start that is no point": (
+        '<g id="markers"><circle id="start" r="2000"/></g>',
+        "marker 'start' is a circle: expected a point, drawn as a line from the place in its direction, with",
+    ),
+    "a start without a direction": ('<g id="markers"><line id="start" x2="50"/></g>', "is a segment: expected a point"),
+    "a point of corners": (
+        '<g id="markers"><rect id="goal" data-kind="point" width="5" height="5"/></g>',
+        "marker 'goal' is a polygon with data-kind='point': expected a line from the place in its direction",
+    ),
     "broken": ("<line", "broken XML"),
 }
 
