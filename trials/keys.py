@@ -13,9 +13,10 @@ from typing import Any
 from flocking import lawentry, lawsource, selection
 from flocking.errors import InputError, unknown_name
 from flocking.parameters import Parameter, checked, declared
+from generation.piloting import task as tasks
 from trials import simulations
 from trials.rows import OF_GROUP, OF_TRIAL, Row, Section, below, in_words, rows_of
-from trials.types import Group, Trial
+from trials.types import Group, Trial, with_setup
 from worlds import known, start_poses
 
 AVOIDS = "+"
@@ -98,6 +99,8 @@ def _placed(kept: Any, places: Mapping[str, str], prefix: str, name: str, value:
         return _in_world(kept, value)
     if isinstance(kept, Trial) and (prefix, name) == ("", "formation"):
         return _in_formation(kept, value)
+    if isinstance(kept, Trial) and (prefix, name) == ("", "task"):
+        return _with_task(kept, value)
     if not prefix and name in {field.name for field in dataclasses.fields(kept)}:
         return dataclasses.replace(kept, **{name: value})
     field, key = (places[prefix], name) if prefix in places else ("setup", f"{prefix}{name}")
@@ -125,6 +128,18 @@ def _in_formation(trial: Trial, formation: str) -> Trial:
         return dataclasses.replace(trial, formation=formation, formation_source="")
     text = start_poses.text_of(formation)
     return dataclasses.replace(trial, formation=formation, formation_source=text, formation_parameters={})
+
+
+def _with_task(trial: Trial, task: str) -> Trial:
+    """A trial whose herd is guided through another task. The text of a file that it has already is not read again where
+    there is no such file."""
+    own = tasks.is_file(task)
+    if own and task == trial.setup.get("task") and trial.task_source and not Path(task).exists():
+        return trial
+    text = tasks.own_text(task) if own else ""
+    if own:
+        tasks.load(task, text)
+    return with_setup(dataclasses.replace(trial, task_source=text), {"task": task})
 
 
 def _group_with(group: Group, prefix: str, name: str, value: Any) -> Group:

@@ -58,6 +58,8 @@ class Trial:
     """Text of the user's own file of a world, whose path `world` is: it travels with the trial."""
     formation_source: str = ""
     """Likewise of a file of starting poses, whose path `formation` is."""
+    task_source: str = ""
+    """Likewise of a file of a task, whose path `task` of the setup is."""
     world_parameters: Mapping[str, Value] = field(default_factory=dict)
     formation_parameters: Mapping[str, Value] = field(default_factory=dict)
     setup: Mapping[str, Value] = field(default_factory=dict)
@@ -67,10 +69,11 @@ class Trial:
     """The keys that the experiment, or a sweep, varies from trial to trial, with this trial's values."""
 
     def as_dict(self) -> dict[str, Any]:
-        """As plain dicts and lists, for JSON; without a text of starting poses where there is none."""
+        """As plain dicts and lists, for JSON; without a text of starting poses or of a task where there is none."""
         fields = dataclasses.asdict(self)
-        if not self.formation_source:  # so that the trials of earlier runs are still themselves
-            del fields["formation_source"]
+        for name in ("formation_source", "task_source"):
+            if not fields[name]:  # so that the trials of earlier runs are still themselves
+                del fields[name]
         return fields
 
     @staticmethod

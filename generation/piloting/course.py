@@ -67,11 +67,16 @@ def _apart(x: float, y: float, start: Floats, end: Floats) -> float:
     return float(np.hypot(x - start[0] - part * ex, y - start[1] - part * ey))
 
 
-def arrived(task: Task, positions: Floats, of: Course) -> Bools:
-    """(N,) which members at positions (T, N, 2) ever stood in the goal, on the last leg and not astray."""
+def in_goal(task: Task, positions: Floats, of: Course) -> Bools:
+    """(T, N) whether members at positions (T, N, 2) stand in the goal, on the last leg and not astray."""
     last = len(task.trajectory) - 2
     flat = inside(task.goal, positions.reshape(-1, 2)).reshape(positions.shape[:2])
-    return np.asarray((flat & (of.leg == last) & ~of.astray).any(axis=0))
+    return np.asarray(flat & (of.leg == last) & ~of.astray)
+
+
+def arrived(task: Task, positions: Floats, of: Course) -> Bools:
+    """(N,) which members at positions (T, N, 2) ever stood in the goal, on the last leg and not astray."""
+    return np.asarray(in_goal(task, positions, of).any(axis=0))
 
 
 def fitness(task: Task, positions: Floats) -> float:

@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 
 from flocking.errors import InputError, unknown_name
+from flocking.found import is_path, read
 from flocking.types import Floats
 from generation.environment import START, Environment
 from generation.files import from_json, text_of
@@ -90,15 +91,26 @@ def names() -> list[str]:
     return sorted(path.stem for path in FOLDER.glob("*.json"))
 
 
-def load(name: str) -> Task:
-    """The task of that name, or that of the file at that path. Raises `InputError`."""
-    if name in names():
-        path = FOLDER / f"{name}.json"
-    elif "/" in name or name.endswith(".json"):
-        path = Path(name)
-    else:
+def is_file(name: str) -> bool:
+    """Whether a task's name is the path of a file of the user's own."""
+    return is_path(name)
+
+
+def load(name: str, text: str = "") -> Task:
+    """The task of that name, or that of the file at that path. Raises `InputError`.
+
+    `text`: of the file, which is then not read.
+    """
+    if is_file(name):
+        return from_text(text or own_text(name), Path(name).stem)
+    if name not in names():
         raise unknown_name("task", name, names())
-    return from_text(text_of(path), path.stem)
+    return from_text(text_of(FOLDER / f"{name}.json"), name)
+
+
+def own_text(path: str) -> str:
+    """The text of a task's file, which travels with a trial. Raises `InputError`."""
+    return read(path, "task", "a JSON file")
 
 
 def from_text(text: str, name: str) -> Task:

@@ -110,6 +110,7 @@ def check_travels(trials: Sequence[Trial]) -> None:
         own: dict[str, Any] = {} if trial.formation_source else {"formation": trial.formation}
         own |= {} if trial.world_source else {"world": trial.world}
         own |= {**trial.setup, **{f"world.{name}": value for name, value in trial.world_parameters.items()}}
+        own |= {"task": ""} if trial.task_source else {}
         for group in trial.groups:
             for key, value in {"detection": group.pipeline, **own, **group.setup}.items():
                 if isinstance(value, str) and is_path(value):

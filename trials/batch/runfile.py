@@ -21,7 +21,7 @@ FORMAT = 3
 
 TEXTS = "texts"
 """Of run.json: the texts of users' files by their digests."""
-_SOURCES = ("law_source", "world_source", "formation_source")
+_SOURCES = ("law_source", "world_source", "formation_source", "task_source")
 
 
 def text_digest(text: str) -> str:
@@ -110,7 +110,7 @@ def _check_text(value: Any) -> None:
 _WHOLE, _TEXT, _TABLE = int, str, Mapping
 _TYPES: dict[type, dict[str, type]] = {
     Trial: {
-        "world_source": _TEXT, "formation_source": _TEXT,
+        "world_source": _TEXT, "formation_source": _TEXT, "task_source": _TEXT,
         "experiment": _TEXT, "repeat": _WHOLE, "simulation": _TEXT, "world": _TEXT, "formation": _TEXT, "index": _WHOLE,
         "seed": _WHOLE, "world_parameters": _TABLE, "formation_parameters": _TABLE, "setup": _TABLE,
         "conditions": _TABLE,

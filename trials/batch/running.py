@@ -181,6 +181,7 @@ def code_of(trials: Sequence[Trial]) -> dict[str, str]:
     texts = {(group.law, group.law_source): None for trial in trials for group in trial.groups if group.law_source}
     texts |= {(trial.world, trial.world_source): None for trial in trials if trial.world_source}
     texts |= {(trial.formation, trial.formation_source): None for trial in trials if trial.formation_source}
+    texts |= {(str(trial.setup.get("task")), trial.task_source): None for trial in trials if trial.task_source}
     for law, text in texts:
         path = _kept_as(Path(law))
         name, number = path.name, 2

@@ -336,4 +336,8 @@ def test_what_does_not_travel_is_named() -> None:
     ):
         with pytest.raises(InputError, match=named):
             cluster.check_travels([dataclasses.replace(trial, **values)])
+    own = dataclasses.replace(trial, setup={**trial.setup, "task": "mine.json"})
+    with pytest.raises(InputError, match=r"task 'mine\.json'"):
+        cluster.check_travels([own])
+    cluster.check_travels([dataclasses.replace(own, task_source="{}")])
     cluster.check_travels([trial, dataclasses.replace(trial, world="mine.toml", world_source="about = ''")])

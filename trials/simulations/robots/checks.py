@@ -68,7 +68,17 @@ def check_start(trial: Trial) -> None:
     Trials that differ in their laws and detections alone start alike.
     """
     of_groups = tuple((group.name, group.count, compared(group.setup)) for group in trial.groups)
-    names = ("seed", "repeat", "world", "world_source", "world_parameters", "formation", "formation_source", "setup")
+    names = (
+        "seed",
+        "repeat",
+        "world",
+        "world_source",
+        "world_parameters",
+        "formation",
+        "formation_source",
+        "task_source",
+        "setup",
+    )
     _check_start(_Start((*(compared(getattr(trial, name)) for name in names), of_groups), trial))
 
 

@@ -90,7 +90,12 @@ class TrialFields(NamedTuple):
     ] = judged.NONE
     task: Annotated[
         str,
-        Parameter("", "Fine 2015, section 8.2: what the herd is guided through (docs/piloting.md)", named=guided.names),
+        Parameter(
+            "",
+            "Fine 2015, section 8.2: what the herd is guided through (docs/piloting.md)",
+            named=guided.names,
+            paths=True,
+        ),
     ] = guided.NONE
 
 

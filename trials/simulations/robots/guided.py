@@ -95,24 +95,24 @@ def parameters(trial: Trial) -> Parameters:
 
 def task_of(trial: Trial) -> Task:
     """The task of a trial that has one. Raises `InputError`."""
-    return _task(name_of(trial))
+    return _task(name_of(trial), trial.task_source)
 
 
 @lru_cache(maxsize=64)
-def _task(name: str) -> Task:
-    return tasks.load(name)
+def _task(name: str, text: str) -> Task:
+    return tasks.load(name, text)
 
 
 def plan_of(trial: Trial) -> Plan:
     """The walls of a trial that has a task; none where nothing guides, or dogs do. Raises `InputError`."""
     given = parameters(trial)
     walls = plans.of_words(given.walls) if given.guides in (WALLS, PILOTS) else ()
-    return Plan(name_of(trial), given.guides == WALLS and given.at_once == 0, walls)
+    return Plan(task_of(trial).name if has_task(trial) else NONE, given.guides == WALLS and given.at_once == 0, walls)
 
 
 def segments(trial: Trial) -> Floats:
     """(K, 4) the walls that rise and vanish in a trial, m: none where there is no task, or robots guide."""
-    if name_of(trial) == NONE or parameters(trial).guides != WALLS:
+    if not has_task(trial) or parameters(trial).guides != WALLS:
         return np.empty((0, 4))
     task = task_of(trial)
     return np.array([wall.segment(task) for wall in plan_of(trial).walls]).reshape(-1, 4)
@@ -136,7 +136,7 @@ def starts_by_task(trial: Trial, group: Group) -> bool:
 
 def has_guides(trial: Trial) -> bool:
     """Whether a trial has the parameters of this file: it has a task, or is told by what its herd is guided."""
-    return name_of(trial) != NONE or f"{PREFIX}guides" in trial.setup
+    return has_task(trial) or f"{PREFIX}guides" in trial.setup
 
 
 def pilot_starts(trial: Trial) -> Floats:
@@ -145,7 +145,7 @@ def pilot_starts(trial: Trial) -> Floats:
     Without a task these are all walls of the world's construct, whether it stands or not, at equal distances. Sheepdogs
     stand behind the herd and look its way. Raises `InputError` where their number does not fit the walls or the street.
     """
-    if name_of(trial) == NONE:
+    if not has_task(trial):
         whole = {**trial.world_parameters, "construct": True}
         built = known.environment_of(trial.world, trial.world_source, whole)
         fences = dataclasses.replace(built, workspace=()).walls()
@@ -162,15 +162,19 @@ def pilot_starts(trial: Trial) -> Floats:
     return np.column_stack([places, np.radians(np.repeat(angles, given.robots_a_wall))])
 
 
+def ground_of(trial: Trial, radius_m: float) -> Ground:
+    """Where a robot of that radius can go in the workspace of a trial's task."""
+    return _ground(name_of(trial), trial.task_source, radius_m)
+
+
 @lru_cache(maxsize=64)
-def ground_of(name: str, radius_m: float) -> Ground:
-    """Where a robot of that radius can go in a task's workspace."""
-    return ground(_task(name).environment, radius_m)
+def _ground(name: str, text: str, radius_m: float) -> Ground:
+    return ground(_task(name, text).environment, radius_m)
 
 
 def check(trial: Trial, radius_m: float) -> None:
     """Refuses a trial whose guides do not fit its task: `InputError`. `radius_m`: of a pilot."""
-    if name_of(trial) == NONE:
+    if not has_task(trial):
         return
     given, task, plan = parameters(trial), task_of(trial), plan_of(trial)
     if given.guides == SHEEPDOGS and not len(members(trial, pilots=True)):
@@ -182,7 +186,7 @@ def check(trial: Trial, radius_m: float) -> None:
     if len(plan.walls) != len(task.turns):
         raise InputError(
             f"piloting.walls has {len(plan.walls)} walls, and {task.name} {len(task.turns)} turns; expected one a "
-            f"turn: herd plan {task.name} finds them"
+            f"turn: herd plan {name_of(trial)} finds them"
         )
     for number, wall in enumerate(plan.walls, 1):
         segment = wall.segment(task)
@@ -201,15 +205,15 @@ def check(trial: Trial, radius_m: float) -> None:
                 f"wall {number} of {task.name}, {wall.length_m:g} m long, has no room for {given.robots_a_wall} robots "
                 f"of {2.0 * radius_m:g} m beside one another and other walls; expected a longer wall, or fewer robots"
             )
-    number = _unreached(name_of(trial), given.walls, pilots, given.robots_a_wall, radius_m)
+    number = _unreached(name_of(trial), trial.task_source, given.walls, pilots, given.robots_a_wall, radius_m)
     if number:
         raise InputError(f"wall {number} of {task.name}: no way of {2.0 * radius_m:g} m leads its pilots there")
 
 
 @lru_cache(maxsize=64)
-def _unreached(name: str, words: str, pilots: int, robots_a_wall: int, radius_m: float) -> int:
+def _unreached(name: str, text: str, words: str, pilots: int, robots_a_wall: int, radius_m: float) -> int:
     """The number (from 1) of the first wall to which no way leads from where its pilots come; 0 where there is none."""
-    task, over = _task(name), ground_of(name, radius_m + CLEAR_M)
+    task, over = _task(name, text), _ground(name, text, radius_m + CLEAR_M)
     places = [formations.slots(wall.segment(task), robots_a_wall) for wall in plans.of_words(words)]
     nobody, at_once = np.empty((0, 2)), pilots // robots_a_wall
     for number in range(at_once, len(places)):

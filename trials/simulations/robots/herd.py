@@ -122,7 +122,7 @@ def assemble(trial: Trial, record: bool) -> Herd:
         marked=np.array([body.marked for body in world.bodies]),
         timestep=timestep,
         needs_truth=frozenset(i for i, r in enumerate(reads) if "truth" in r),
-        scenario=Guided(trial, world, tell) if guided.name_of(trial) != guided.NONE else None,
+        scenario=Guided(trial, world, tell) if guided.has_task(trial) else None,
     )
 
 

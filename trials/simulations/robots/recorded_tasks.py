@@ -6,7 +6,6 @@ import numpy as np
 import rerun as rr
 
 from flocking.types import Floats
-from generation.free_paths import inside
 from generation.piloting import course
 from trials.simulations.columns import packed, series, times_column
 from trials.simulations.robots import guided
@@ -90,7 +89,5 @@ def fitness(result: TrialResult) -> tuple[Floats, Floats, Floats]:
     task, herd = guided.task_of(result.trial), guided.members(result.trial, pilots=False)
     positions = result.poses_w[sound][:, herd, :2]
     of = course.course(task, positions)
-    last = len(task.trajectory) - 2
-    in_goal = inside(task.goal, positions.reshape(-1, 2)).reshape(positions.shape[:2])
-    there = np.logical_or.accumulate(in_goal & (of.leg == last) & ~of.astray, axis=0)
+    there = np.logical_or.accumulate(course.in_goal(task, positions, of), axis=0)
     return result.times[sound], there.mean(axis=1), (of.astray & ~there).mean(axis=1)

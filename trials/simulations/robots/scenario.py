@@ -50,9 +50,9 @@ class Guided:
         self._dogs: Sheepdogs | None = None
         radius = max((world.bodies[k].radius for k in self.pilots), default=0.0)
         if self.given.guides == guided.PILOTS:
-            self._drivers = Pilots(guided.ground_of(self.task.name, radius + CLEAR_M), len(self.pilots))
+            self._drivers = Pilots(guided.ground_of(trial, radius + CLEAR_M), len(self.pilots))
         elif self.given.guides == guided.SHEEPDOGS:
-            over = guided.ground_of(self.task.name, radius + ROOM_M)
+            over = guided.ground_of(trial, radius + ROOM_M)
             self._dogs = Sheepdogs(over, len(self.pilots), self.given.rule)
 
     def update(self, time: float, poses_w: Floats) -> None:

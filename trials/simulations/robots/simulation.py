@@ -47,7 +47,7 @@ def watched(trial: Trial, scans: str, watcher: Watcher) -> TrialResult:
     """Runs a trial in which a herd is guided, and somebody says when it has cleared a wall. Raises `InputError`."""
     from trials.simulations.robots import loop
 
-    if guided.name_of(trial) == guided.NONE:
+    if not guided.has_task(trial):
         raise InputError(f"experiment {trial.experiment!r} has no task; expected one whose herd is guided, as piloting")
     checks.check(trial)
     return loop.run_trial(trial, scans, watcher=watcher)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -18,21 +19,26 @@ GUIDED, GUIDING, WALL = "#009e73", "#d55e00", "#f0c000"
 START, GOAL = "#0072b2", "#9ad7a5"
 
 
-def snapshots(task: str, rows: Sequence[tuple[str, TrialResult]], moments: int) -> Any:
+def named(task: str) -> str:
+    """What a task is called in figures and in their files' names: that of a user's own file without its folder."""
+    return Path(task).stem if tasks.is_file(task) else task
+
+
+def snapshots(rows: Sequence[tuple[str, TrialResult]], moments: int) -> Any:
     """A canvas with a row of moments for each of the results, at equal times from the start on."""
     canvas, axes = draw.grid(len(rows) * moments, moments, width=2.2 * moments, height=2.5)
     for line, (label, result) in enumerate(rows):
         times = np.linspace(0.0, _last(result), moments)
         for k, time in enumerate(times):
             axis = axes[line * moments + k]
-            moment(axis, task, result, time)
+            moment(axis, result, time)
             axis.set_title(f"{label}, {time:.0f} s" if k == 0 else f"{time:.0f} s", loc="left", fontsize=7)
     return canvas
 
 
-def whole(axis: Any, task: str, result: TrialResult) -> None:
+def whole(axis: Any, result: TrialResult) -> None:
     """Draws a whole trial as figure 8.6 does: all ways in black, robots where they end, and all walls of the plan."""
-    found = tasks.load(task)
+    found = guided.task_of(result.trial)
     for wall in result.walls_w:
         axis.plot(wall[[0, 2]], wall[[1, 3]], color="#888888", lw=0.6)
     for each in guided.plan_of(result.trial).walls:
@@ -51,9 +57,9 @@ def whole(axis: Any, task: str, result: TrialResult) -> None:
     axis.set_yticks([])
 
 
-def moment(axis: Any, task: str, result: TrialResult, time: float) -> None:
+def moment(axis: Any, result: TrialResult, time: float) -> None:
     """Draws where all robots and walls are at a time, s, and the herd's ways so far."""
-    found = tasks.load(task)
+    found = guided.task_of(result.trial)
     axis.plot(*found.trajectory.T, ":", color="black", lw=0.8)
     axis.fill(*found.goal.T, color="#009e73", alpha=0.15, lw=0.0)
     for began, ended, *segment in result.tables["standing"]:

@@ -12,7 +12,7 @@ from trials.reports import figures as draw
 from trials.reports.arms import by_arm
 from trials.reports.figures import Figure, Place
 from trials.studies.piloting.design import KEYS, MEASURE, PILOTS, WALLS
-from trials.studies.piloting.drawn import mean, snapshots, whole
+from trials.studies.piloting.drawn import mean, named, snapshots, whole
 from trials.types import TrialResult
 
 COLOURS = {WALLS: "#0072b2", PILOTS: "#d55e00"}
@@ -49,7 +49,7 @@ def _table(run: Run, place: Place) -> Figure:
         axis.plot(at, [table[guides].get(task, np.nan) for task in tasks], "x", color=colour, ms=6)
         axis.plot([], [], "o", color=colour, label=LABELS[guides])
     axis.plot([], [], "x", color="black", label="published")
-    axis.set_xticks(range(len(tasks)), tasks)
+    axis.set_xticks(range(len(tasks)), list(map(named, tasks)))
     axis.set_ylim(-0.02, 1.15)
     axis.set_ylabel("share that arrives")
     axis.legend(frameon=False, ncols=3, loc="upper left")
@@ -73,8 +73,8 @@ def _whole(run: Run, place: Place) -> list[Figure]:
         return []
     canvas, axes = draw.grid(len(found), 2, width=6.4, height=3.4 * ((len(found) + 1) // 2))
     for axis, (task, result) in zip(axes, found, strict=False):
-        whole(axis, task, result)
-        axis.set_title(task, loc="left")
+        whole(axis, result)
+        axis.set_title(named(task), loc="left")
     caption = (
         "Green: the robots that are guided; red: those that guide them, where they end; black: their ways; yellow: the "
         "walls that they take for templates; dotted: the trajectory, from blue to light green. The best trial of each, "
@@ -98,6 +98,6 @@ def _series(run: Run, place: Place) -> list[Figure]:
             if result is not None:
                 rows.append((label, result))
         if rows:
-            canvas, name = snapshots(task, rows, MOMENTS), f"{task}, as in figures 8.6 to 8.10"
-            found.append(draw.save(canvas, place, f"series-{task}", name, caption, dots=True))
+            canvas, name = snapshots(rows, MOMENTS), f"{named(task)}, as in figures 8.6 to 8.10"
+            found.append(draw.save(canvas, place, f"series-{named(task)}", name, caption, dots=True))
     return found

@@ -11,7 +11,7 @@ from trials.reports import figures as draw
 from trials.reports.arms import by_arm
 from trials.reports.figures import Figure, Place
 from trials.studies.piloting.design import MEASURE, SHEEPDOGS
-from trials.studies.piloting.drawn import GUIDED, GUIDING, mean, snapshots
+from trials.studies.piloting.drawn import GUIDED, GUIDING, mean, named, snapshots
 from trials.studies.piloting.shepherding_claims import KEYS
 from trials.types import TrialResult
 
@@ -72,8 +72,8 @@ def _first(run: Run, task: str) -> list[tuple[str, TrialResult]]:
 
 
 def _moments(run: Run, place: Place, task: str) -> Figure:
-    canvas = snapshots(task, _first(run, task), MOMENTS)
+    canvas = snapshots(_first(run, task), MOMENTS)
     caption = (
         "Green: the herd and its ways; red: robots that guide it; dotted: the trajectory. The first trial of each."
     )
-    return draw.save(canvas, place, f"moments-{task}", f"Guides in {task}", caption, dots=True)
+    return draw.save(canvas, place, f"moments-{named(task)}", f"Guides in {named(task)}", caption, dots=True)
