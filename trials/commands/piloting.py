@@ -7,14 +7,18 @@ current wall".
 from __future__ import annotations
 
 import math
+import os
 import select
+import signal
 import sys
 import time as clock
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 from flocking.errors import InputError
+from trials.simulations.contract import StoppedError
 
 
 def pilot(experiment: str, number: int, times: float, settings: Mapping[str, Any], out: Path | None) -> None:
@@ -33,37 +37,80 @@ def pilot(experiment: str, number: int, times: float, settings: Mapping[str, Any
         raise InputError(f"--out {out}: there is such a file; expected a new one")
     if out is not None and (out.suffix != ".rrd" or not out.absolute().parent.is_dir()):
         raise InputError(f"--out {out}: expected a name that ends in .rrd, in a folder that exists")
-    told = ", ".join(f"{key} {value}" for key, value in trial.conditions.items())
-    print(f"trial {number}, {told}: press Enter once the herd has cleared a wall")
-    result = own.watched(trial, "some" if out is not None else "none", Watching(times))
-    if result.reason:
-        raise InputError(f"the trial ended: {result.reason}")
-    print(f"{result.measures['arrived_share']:.2f} of the robots arrived")
-    if out is not None:
+    told = ", ".join([f"trial {number}", *(f"{key} {value}" for key, value in trial.conditions.items())])
+    watching = Watching(times, told)
+    with watching.interrupted():
+        result = own.watched(trial, "some" if out is not None else "none", watching)
+    if out is not None and len(result.times):
         own.record(result, out)
         print(f"recording   {out}")
+    if watching.is_interrupted:
+        raise KeyboardInterrupt
+    if result.outcome == "failed":
+        raise InputError(f"the trial ended: {result.reason}")
+    print(f"{result.measures['arrived_share']:.2f} of the robots arrived")
 
 
 class Watching:
-    """A person at a terminal: simulated time goes on so many times as fast as the clock, and Enter clears a wall."""
+    """A person at a terminal: simulated time goes on so many times as fast as the clock, and Enter clears a wall.
 
-    def __init__(self, times: float) -> None:
-        self.times = times
+    Once all are cleared, Enter ends the trial, as Ctrl-C does at any time.
+    """
+
+    def __init__(self, times: float, told: str) -> None:
+        """`told`: what is said of the trial when it begins."""
+        self.times, self.told = times, told
+        self.is_interrupted = False
         self._began = math.nan
         self._told = -1.0
+        self._ends = False
 
-    def __call__(self, time: float, passed: int, through: int, on_course: int) -> bool:
+    @contextmanager
+    def interrupted(self) -> Iterator[None]:
+        """Ctrl-C ends the trial at its next sample; a second one all at once."""
+
+        def on_interrupt(number: int, frame: object) -> None:
+            if self.is_interrupted:
+                raise KeyboardInterrupt
+            self.is_interrupted = True
+
+        before = signal.signal(signal.SIGINT, on_interrupt)
+        try:
+            yield
+        finally:
+            signal.signal(signal.SIGINT, before)
+
+    def __call__(self, time: float, passed: int, left: int, through: int, on_course: int) -> bool:
         """Waits for the clock; whether Enter has been pressed."""
         if math.isnan(self._began):
             self._began = clock.monotonic() - time / self.times
+            print(f"{self.told}: press Enter {'once the herd has cleared a wall' if left else 'to end it'}")
+        elif left == 0 and not self._ends:
+            print("all walls are cleared: press Enter to end the trial")
+        self._ends = left == 0
         if time >= self._told + 1.0:
             self._told = time
-            print(f"{time:5.0f} s  wall {passed + 1}: {through} past it, {on_course} on their course", flush=True)
+            of = f"wall {passed + 1}: {through} past it" if left else f"the goal: {through} in it"
+            print(f"{time:5.0f} s  {of}, {on_course} on their course", flush=True)
+        is_pressed = self._is_pressed(time)
+        if self.is_interrupted or (is_pressed and self._ends):
+            raise StoppedError
+        return is_pressed
+
+    def _is_pressed(self, time: float) -> bool:
         wait = max(0.0, self._began + time / self.times - clock.monotonic())
         ready, _, _ = select.select([sys.stdin], [], [], wait)
         if not ready:
             return False
         clock.sleep(max(0.0, self._began + time / self.times - clock.monotonic()))
-        if sys.stdin.readline() == "":
+        has_line = _line()
+        if not has_line and not self._ends:
             raise InputError("standard input has ended: expected a terminal, or a line for each wall")
-        return True
+        return has_line
+
+
+def _line() -> bool:
+    """Reads one line of standard input; False at its end. Unbuffered: `select` does not see lines in a buffer."""
+    while (read := os.read(sys.stdin.fileno(), 1)) not in (b"\n", b""):
+        pass
+    return read != b""

@@ -17,8 +17,13 @@ class KeysOf(Protocol):
     def __call__(self, trial: Trial, group: Group | None = None) -> list[Section]: ...
 
 
-Watcher = Callable[[float, int, int, int], bool]
-"""(time in s, walls cleared so far, members past the next one, members on their course) → whether it is cleared now."""
+Watcher = Callable[[float, int, int, int, int], bool]
+"""(time in s, walls cleared so far, walls that are left, members past the next one or in the goal, members on their
+course) → whether the next one is cleared now; not heeded where none is left. Raises `StoppedError` to end the trial."""
+
+
+class StoppedError(Exception):
+    """Who watches a trial has seen enough: it ends, and what was measured until then is kept."""
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from flocking.errors import InputError, StorageError
 from flocking.types import Floats
 from sensing.truth import judge
 from trials.simulations import judged, watch
-from trials.simulations.contract import Watcher
+from trials.simulations.contract import StoppedError, Watcher
 from trials.simulations.robots import guided, link
 from trials.simulations.robots.fields import iteration_s, of_group, of_trial
 from trials.simulations.robots.herd import Herd, assemble
@@ -44,7 +44,8 @@ def run_trial(
     until they are recorded they are kept in a file without a name in `folder`, or where temporary files are.
     Any error ends the trial, such as a simulation in MuJoCo that diverges or a law that returns nan: `outcome` is then
     `failed`, `reason` says why, and what was measured until then is kept; with `reraise` the error is raised instead.
-    `watcher`: who says when a wall has been cleared, in a trial that has a task. Raises `InputError` for a trial that
+    `watcher`: who says when a wall has been cleared, in a trial that has a task, or stops it: `outcome` is then
+    `stopped`. Raises `InputError` for a trial that
     cannot be set up.
     """
     from trials.simulations.robots.measures import measure
@@ -66,6 +67,8 @@ def run_trial(
         run(herd, log, last=round(given.duration_s / given.timestep_s))
     except StorageError:
         raise
+    except StoppedError:
+        outcome, reason = "stopped", f"stopped at {herd.world.data.time:.2f} s"
     except Exception as error:
         if reraise:
             raise

@@ -1,9 +1,9 @@
 """What happens in a trial of robots besides them: how far the herd has come, and the walls and pilots that follow it.
 
 At each sample the course of each guided robot is brought up to date. Once all of them that are still on their course
-have cleared a wall, the next stage begins: walls rise and vanish, or pilots are sent where they are wanted next.
-Sheepdogs know one stage: they drive the members that are still on their course to the corner of the trajectory that
-the last of these has next before it.
+have cleared a wall, the next stage begins: walls rise and vanish, or pilots are sent where they are wanted next. A wall
+rises once no robot stands in its place. Sheepdogs know one stage: they drive the members that are still on their course
+to the corner of the trajectory that the last of these has next before it.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from collections.abc import Callable
 import numpy as np
 
 from flocking.types import Floats, Ints
+from generation.free_space import distance
 from generation.piloting import course, formations
 from generation.piloting.dogs import ROOM_M, Sheepdogs
 from generation.piloting.pilots import CLEAR_M, Pilots
@@ -20,6 +21,7 @@ from trials.simulations.contract import Watcher
 from trials.simulations.robots import guided
 from trials.types import Trial
 from worlds.assemble import World
+from worlds.walls import FENCE
 
 
 class Guided:
@@ -41,6 +43,10 @@ class Guided:
         self.sent: list[tuple[float, float, float, float, float]] = []
         """Pilots that were sent to a place: when, which robot, to which wall (from 0), x, y."""
         self._leg, self._astray = np.zeros(len(self.herd), np.int64), np.zeros(len(self.herd), np.bool_)
+        self._rooms = np.array([body.radius for body in world.bodies]) + FENCE / 2.0
+        """(N,) nearest that the middle of a wall may come to each robot, m."""
+        self._waiting = False
+        """Whether a wall waits for a robot to leave its place."""
         self._stand: dict[int, int] = {}
         """Number of a wall that stands → its row."""
         self._held: dict[int, Ints] = {}
@@ -62,9 +68,15 @@ class Guided:
         self._leg, self._astray = of.leg[0], of.astray[0]
         if not self.stages:
             self._begin(time, poses_w)
-        elif self.passed < len(self.plan.walls) and self._is_cleared(time, places, of):
-            self.passed += 1
-            self._begin(time, poses_w)
+        elif self.passed < len(self.plan.walls):
+            if self._is_cleared(time, places, of):
+                self.passed += 1
+                self._begin(time, poses_w)
+        elif self.watcher is not None:
+            there = course.in_goal(self.task, places[None], of)[0]
+            self.watcher(time, self.passed, 0, int(there.sum()), int((~self._astray).sum()))
+        if self._waiting:
+            self._raise_walls(time, poses_w)
         if self._drivers is not None:
             self._drive(time, poses_w)
         if self._dogs is not None:
@@ -81,14 +93,15 @@ class Guided:
     def _is_cleared(self, time: float, places: Floats, of: course.Course) -> bool:
         through = course.passed(self.task, places[None], of, self.task.turns[self.passed], self.given.beyond_m)[0]
         if self.watcher is not None:
-            return self.watcher(time, self.passed, int(through.sum()), int((~self._astray).sum()))
+            left = len(self.plan.walls) - self.passed
+            return self.watcher(time, self.passed, left, int(through.sum()), int((~self._astray).sum()))
         return bool(through.any() and (through | self._astray).all())
 
     def _begin(self, time: float, poses_w: Floats) -> None:
         """The next stage: what is to stand from now on."""
         self.stages.append((time, time if self._drivers is None else np.nan))
         if self.given.guides == guided.WALLS:
-            self._raise_walls(time)
+            self._raise_walls(time, poses_w)
         elif self._drivers is not None:
             held = formations.change(
                 self.task, self.plan, self.passed, poses_w[self.pilots, :2], self._held,
@@ -103,11 +116,16 @@ class Guided:
             for robot, place in zip(held.moving.tolist(), held.places.tolist(), strict=True):
                 self.sent.append((time, float(self.pilots[robot]), float(walls[robot]), *place))
 
-    def _raise_walls(self, time: float) -> None:
+    def _raise_walls(self, time: float, poses_w: Floats) -> None:
+        """Lets the walls stand that are to stand; one in whose place a robot is waits until that has gone."""
         standing, data = self.world.standing, self.world.data
         wanted = self.plan.standing(self.passed, self.given.at_once or None)
+        self._waiting = False
         for k in range(len(standing.segments)):
             if standing.up[k] == (k in wanted):
+                continue
+            if k in wanted and (distance(standing.segments[k : k + 1], poses_w[:, :2]) < self._rooms).any():
+                self._waiting = True
                 continue
             standing.put(data, k, k in wanted)
             if k in wanted:

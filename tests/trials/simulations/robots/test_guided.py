@@ -10,14 +10,17 @@ from numpy.testing import assert_array_equal
 from scipy.spatial.distance import cdist
 
 from flocking.errors import InputError
+from generation.free_space import distance
 from generation.piloting import course
 from generation.piloting import plan as plans
 from generation.piloting.formations import slots
 from generation.piloting.pilots import ARRIVED_M
 from trials import simulations
 from trials.design import plan
+from trials.simulations.contract import StoppedError
 from trials.simulations.robots import guided, loop, measures_guided
-from trials.types import Trial, TrialResult, Value
+from trials.types import Trial, TrialResult, Value, with_setup
+from worlds.walls import FENCE
 
 
 def trial(guides: str, **setup: Value) -> Trial:
@@ -68,16 +71,51 @@ def test_the_next_walls_stand_once_all_on_their_course_have_cleared_one_and_not_
 
 
 def test_who_watches_decides_in_place_of_the_herds_course() -> None:
-    asked: list[tuple[float, int, int, int]] = []
+    asked: list[tuple[float, ...]] = []
 
-    def watcher(time: float, passed: int, through: int, on_course: int) -> bool:
-        asked.append((time, passed, through, on_course))
+    def watcher(time: float, *told: int) -> bool:
+        asked.append((time, *told))
         return time >= 2.0
 
     made = trial("walls", **{"piloting.at_once": 2, "duration_s": 3.0})
     found = loop.run_trial(made, reraise=True, watcher=watcher)
     assert_array_equal(found.tables["stages"][:, 0].round(9), [0.0, 2.0, 2.1, 2.2])
-    assert asked[0][1:] == (0, 0, 4)
+    assert asked[0][1:] == (0, 3, 0, 4)
+    assert [time for time, *_ in asked] == pytest.approx(np.arange(1, 31) * 0.1)  # after the last wall as well
+    assert asked[-1][1:] == (3, 0, 0, 4)
+
+
+def test_who_watches_can_end_a_trial_and_what_was_measured_until_then_is_kept() -> None:
+    def watcher(time: float, *told: int) -> bool:
+        if time >= 1.0:
+            raise StoppedError
+        return False
+
+    found = loop.run_trial(trial("walls", **{"piloting.at_once": 2, "duration_s": 3.0}), watcher=watcher)
+    assert (found.outcome, found.reason) == ("stopped", "stopped at 1.00 s")
+    assert found.times[-1] == pytest.approx(0.9)
+    assert found.measures["arrived_share"] == 0.0
+
+
+def test_a_wall_rises_once_no_robot_stands_in_its_place() -> None:
+    """The second wall lies across the start: it waits for the herd to leave it, and no robot is ever within it."""
+    made = trial("walls", **{"piloting.at_once": 2, "duration_s": 12.0})
+    task = guided.task_of(made)
+    first, place = guided.plan_of(made).walls[0], np.array([task.start.x_m, task.start.y_m])
+    number, anchor = min(task.anchors.items(), key=lambda each: np.hypot(*(each[1] - place)))
+    angle = float(np.degrees(np.arctan2(*(place - anchor)[::-1])))
+    across = plans.Wall(number, angle, float(np.hypot(*(place - anchor))))
+    walls = plans.words([first, across, guided.plan_of(made).walls[2]])
+    found = loop.run_trial(with_setup(made, {"piloting.walls": walls}), reraise=True)
+    standing = {tuple(row[2:]): row[0] for row in found.tables["standing"].tolist()}
+    (own,) = [wall.segment(task) for wall in plans.of_words(walls)[1:2]]
+    rose = next(began for segment, began in standing.items() if np.allclose(segment, own))
+    assert 0.0 < rose < 12.0
+    after = found.times >= rose
+    apart = distance(own[None], found.poses_w[after, :, :2].reshape(-1, 2))
+    assert apart.min() > found.radii[0]
+    before = distance(own[None], found.poses_w[~after, :, :2].reshape(-1, 2)).reshape(-1, 4).min(axis=1)
+    assert (before < found.radii[0] + FENCE / 2.0).all()  # it waited no longer than it had to
 
 
 def test_pilots_start_in_formation_and_the_same_trial_is_the_same_whether_it_is_recorded_or_not() -> None:
