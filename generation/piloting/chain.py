@@ -13,7 +13,7 @@ from flocking.types import Bools, Floats, Ints
 from generation.environment import START, Environment
 from generation.group import Group, Job
 from generation.piloting.course import arrived, course, passed
-from generation.piloting.plan import Plan
+from generation.piloting.plan import Judged, Plan, judged
 from generation.piloting.task import Task
 from generation.primitives import Point, Segment
 from generation.validation.starts import Starts, poses
@@ -129,3 +129,8 @@ def follow(task: Task, plan: Plan, group: Group, states: Sequence[State], step_m
         found.append(stage(task, group, plan.segments(task, number), states, corner, step_m))
         states = [each.state for each in found[-1]]
     return found
+
+
+def judge(task: Task, plan: Plan, group: Group, states: Sequence[State], step_m: float) -> Judged:
+    """How well a whole plan guides herds from their start to the goal."""
+    return judged([float(np.mean(each.made)) for each in follow(task, plan, group, states, step_m)[-1]])

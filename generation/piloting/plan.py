@@ -41,6 +41,26 @@ class Wall(NamedTuple):
         return np.array(wall((float(x), float(y)), self.angle_deg, self.length_m), dtype=np.float64)
 
 
+class Judged(NamedTuple):
+    """How well a whole plan guides herds that were not used to find it."""
+
+    herds: int
+    share: float
+    """Of their members, how many it guides to the goal."""
+    low: float
+    """The 95 % interval of that share, from here (Wilson 1927), as if each herd arrived whole or not at all: members of
+    one herd share their fate, so that the interval is rather too wide."""
+    high: float
+
+
+def judged(shares: Sequence[float]) -> Judged:
+    """The judgement from the share of each herd that arrived."""
+    n, share, z = len(shares), float(np.mean(shares)), 1.959964
+    middle = (share + z * z / (2.0 * n)) / (1.0 + z * z / n)
+    reach = z / (1.0 + z * z / n) * math.sqrt(share * (1.0 - share) / n + z * z / (4.0 * n * n))
+    return Judged(n, share, max(0.0, middle - reach), min(1.0, middle + reach))
+
+
 @dataclass(frozen=True)
 class Plan:
     """Walls in the order of the turns that they make; a partial one has fewer than the task has turns."""
@@ -52,6 +72,8 @@ class Plan:
     walls: tuple[Wall, ...]
     shares: tuple[float, ...] = ()
     """Of each wall, the share of members that made its turn when it was found."""
+    judged: Judged | None = None
+    """Of a whole plan, how well it guides new herds."""
 
     def standing(self, passed: int, at_once: int | None = None) -> tuple[int, ...]:
         """Numbers of the walls (from 0) that stand when so many of them have been passed.
@@ -73,7 +95,10 @@ class Plan:
 def to_json(plan: Plan, told: dict[str, Any] | None = None) -> str:
     """The plan as text, with what is `told` of how it was found."""
     walls = [{**wall._asdict(), "share": share} for wall, share in _paired(plan)]
-    data = {"format": FORMAT, "task": plan.task, "static": plan.static, "walls": walls, "found": told or {}}
+    data = {"format": FORMAT, "task": plan.task, "static": plan.static, "walls": walls}
+    if plan.judged is not None:
+        data["judged"] = plan.judged._asdict()
+    data["found"] = told or {}
     return json.dumps(data, indent=1) + "\n"
 
 
@@ -110,8 +135,18 @@ def of_words(text: str) -> tuple[Wall, ...]:
 
 def read(path: str | Path) -> Plan:
     """The plan of a file. Raises `InputError`."""
+    return from_json(_text(path), str(path))
+
+
+def found_with(path: str | Path) -> dict[str, Any]:
+    """What the file of a plan, which was read before, tells of how it was found; empty where it tells nothing."""
+    told = json.loads(_text(path)).get("found")
+    return told if isinstance(told, dict) else {}
+
+
+def _text(path: str | Path) -> str:
     try:
-        return from_json(Path(path).read_text(encoding="utf-8"), str(path))
+        return Path(path).read_text(encoding="utf-8")
     except OSError as error:
         raise InputError(f"plan {str(path)!r} cannot be read: {error.strerror or error}") from None
     except UnicodeDecodeError:
@@ -129,9 +164,12 @@ def from_json(text: str, where: str) -> Plan:
             raise ValueError("a task or static of another type")
         walls = tuple(Wall(_whole(row["anchor"]), _number(row["angle_deg"]), _number(row["length_m"])) for row in rows)
         shares = tuple(_number(row["share"]) for row in rows)
+        told = data.get("judged")
+        fields = {name: _number(told[name]) for name in Judged._fields} if told is not None else {}
+        judgement = Judged(**{**fields, "herds": _whole(told["herds"])}) if told is not None else None  # type: ignore[arg-type]
     except (ValueError, KeyError, TypeError, RecursionError) as error:
         raise InputError(f"{where} is no plan: {error}; expected what `herd plan` wrote") from None
-    return Plan(task, static, walls, shares)
+    return Plan(task, static, walls, shares, judgement)
 
 
 def _paired(plan: Plan) -> Sequence[tuple[Wall, float]]:

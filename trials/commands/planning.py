@@ -13,8 +13,8 @@ from flocking.errors import InputError, unknown_name
 
 if TYPE_CHECKING:
     from generation.group import Group
-    from generation.piloting.plan import Plan
-    from generation.piloting.planner import Grid, Progress
+    from generation.piloting.plan import Judged, Plan
+    from generation.piloting.planner import Grid, Progress, Search
     from generation.piloting.task import Task
 
 
@@ -46,23 +46,38 @@ def plan(asked: Asked) -> None:
     from robots import body as bodies
     from trials.commands import lawcheck
 
+    _check_out(asked.out)  # refused before the search begins, as all that follows
     if asked.body is not None:
-        bodies.load(asked.body)  # refused before the search begins
-
+        bodies.load(asked.body)
     if lawentry.is_path(asked.law):
         lawcheck.check(asked.law)
     with users_files.executed(True):
         _exhaust(asked) if asked.exhaust else _search(asked)
 
 
+def _check_out(out: Path | None) -> None:
+    """Raises `InputError` for a place to which no plan can be written."""
+    if out is None:
+        return
+    folder = out.absolute().parent
+    if out.is_dir() or not folder.is_dir() or not os.access(folder, os.W_OK):
+        raise InputError(f"--out {out}: expected the name of a file, in a folder that exists and can be written")
+
+
+def _how(asked: Asked) -> Search:
+    from generation.piloting.planner import Search
+
+    return Search(
+        grid=_grid(asked.settings), starts=asked.starts, share=asked.share, budget=asked.budget, seed=asked.seed
+    )
+
+
 def _search(asked: Asked) -> None:
-    from generation.piloting import members, planner
+    from generation.piloting import chain, members, planner
     from generation.piloting.plan import Plan
 
     task, group = _asked_for(asked)
-    how = planner.Search(
-        grid=_grid(asked.settings), starts=asked.starts, share=asked.share, budget=asked.budget, seed=asked.seed
-    )
+    how = _how(asked)
     begun = _begun(asked, task)
     progress = planner.Progress(say=lambda line: print(line, file=sys.stderr))
     try:
@@ -73,10 +88,16 @@ def _search(asked: Asked) -> None:
         print(_kept(asked, task, progress, ended), file=sys.stderr)
         raise
     _write(asked, found, progress.simulations)
-    print(_told(task, found, progress.simulations))
+    print(_told(asked, task, found, progress.simulations))
     other = Plan(found.task, not found.static, found.walls)
-    shares = {kept.static: _share(task, kept, group, asked) for kept in (found, other)}
-    print(f"of 20 new herds {shares[True]:.2f} arrive while all walls stand, {shares[False]:.2f} while two do")
+    fresh = planner.fresh_herds(task, group.count, how)
+    judged = {found.static: found.judged, other.static: chain.judge(task, other, group, fresh, members.STEP_M)}
+    shares = {static: _interval(each) for static, each in judged.items() if each is not None}
+    print(f"of {how.herds} new herds {shares[True]} arrive while all walls stand, {shares[False]} while two do")
+
+
+def _interval(judged: Judged) -> str:
+    return f"{judged.share:.2f} [{judged.low:.2f}, {judged.high:.2f}]"
 
 
 def _kept(asked: Asked, task: Task, progress: Progress, ended: BaseException) -> str:
@@ -101,7 +122,7 @@ def _kept(asked: Asked, task: Task, progress: Progress, ended: BaseException) ->
 
 def _exhaust(asked: Asked) -> None:
     from generation.piloting import chain, members, static
-    from generation.piloting.planner import USUAL
+    from generation.piloting.planner import USUAL, fresh_herds
 
     if asked.body is not None:
         raise InputError(f"--body {asked.body} with --exhaust: expected one; all sets are tried by kinematic herds")
@@ -122,7 +143,10 @@ def _exhaust(asked: Asked) -> None:
         if found.plan is None:
             print(f"no set guides anybody: nothing is kept in {asked.out}")
         else:
-            _write(asked, found.plan, found.tried * asked.starts)
+            fresh = fresh_herds(task, group.count, _how(asked))
+            judged = chain.judge(task, found.plan, group, fresh, members.STEP_M)
+            print(f"of {judged.herds} new herds {_interval(judged)} arrive among its walls")
+            _write(asked, replace(found.plan, judged=judged), found.tried * asked.starts)
 
 
 def _asked_for(asked: Asked) -> tuple[Task, Group]:
@@ -192,16 +216,8 @@ def _begun(asked: Asked, task: Task) -> Plan | None:
             f"--out {asked.out}: a {kind} plan of {found.task} with {len(found.walls)} walls; expected a new file, or "
             f"a partial plan of {task.name} to go on with"
         )
-    return replace(found, task=task.name)
-
-
-def _share(task: Task, found: Plan, group: Group, asked: Asked) -> float:
-    """Of the members of new herds, how many a plan guides to the goal."""
-    from generation.piloting import chain, members
-    from generation.piloting.planner import USUAL
-
-    fresh = chain.starts(task, group.count, 20, asked.seed + 1000, USUAL.side_m, USUAL.apart_m)
-    return chain.share(chain.follow(task, found, group, fresh, members.STEP_M)[-1])
+    _check_same(asked)
+    return found
 
 
 def _write(asked: Asked, found: Plan, simulations: int) -> None:
@@ -210,14 +226,43 @@ def _write(asked: Asked, found: Plan, simulations: int) -> None:
 
     if asked.out is None:
         return
-    told = {
+    write_whole(asked.out, plans.to_json(found, {**_found_with(asked), "simulations": simulations}).encode())
+
+
+def _found_with(asked: Asked) -> dict[str, Any]:
+    """All that a plan hangs on: what was asked for, and every number of the search, of its grid and of its members."""
+    from generation.piloting import members
+
+    how = _how(asked)._asdict()
+    own = {key: value for key, value in asked.settings.items() if key.startswith("law.")}
+    usual = {f"law.{name}": value for name, value in members.of_law(asked.law).items()}
+    return {
         "law": asked.law, "members": asked.members, "body": asked.body, "starts": asked.starts, "share": asked.share,
-        "budget": asked.budget, "seed": asked.seed, "settings": dict(asked.settings), "simulations": simulations,
+        "budget": asked.budget, "seed": asked.seed, "exhaust": asked.exhaust, "settings": {**usual, **own},
+        "grid": how.pop("grid")._asdict(),
+        "search": {name: value for name, value in how.items() if name not in ("starts", "share", "budget", "seed")},
+        "herd": {"speed_m_s": members.SPEED_M_S, "iteration_s": members.DT_S},
     }  # fmt: skip
-    write_whole(asked.out, plans.to_json(found, told).encode())
 
 
-def _told(task: Task, found: Plan, simulations: int) -> str:
+SAME = ("law", "members", "body", "starts", "share", "seed", "settings")
+"""What must be the same for a search to go on from a partial plan: its walls are valid by these alone."""
+
+
+def _check_same(asked: Asked) -> None:
+    """Raises `InputError` where the partial plan in `out` was found otherwise than is asked for now."""
+    from generation.piloting import plan as plans
+
+    assert asked.out is not None
+    before, now = plans.found_with(asked.out), _found_with(asked)
+    other = [f"{name} {before[name]}, not {now[name]}" for name in SAME if name in before and before[name] != now[name]]
+    if other:
+        raise InputError(
+            f"--out {asked.out}: its walls were found with {'; '.join(other)}; expected the same, or a new file"
+        )
+
+
+def _told(asked: Asked, task: Task, found: Plan, simulations: int) -> str:
     from generation.piloting import plan as plans
 
     lines = [f"{'turn':>4}  {'anchor':>6}  {'angle':>9}  {'length':>7}  share"]
@@ -225,5 +270,8 @@ def _told(task: Task, found: Plan, simulations: int) -> str:
         lines.append(f"{number:>4}  {wall.anchor:>6}  {wall.angle_deg:>5g} deg  {wall.length_m:>5g} m  {share:.2f}")
     kind = "standing" if found.static else "changing"
     lines.append(f"{task.name}: {len(found.walls)} {kind} walls, {simulations} simulations of a stage")
-    lines.append(f"a trial's: --sweep task={task.name} --set 'piloting.walls=\"{plans.words(found.walls)}\"'")
+    changing = "" if found.static else f" --set piloting.at_once={plans.AT_ONCE}"
+    lines.append(
+        f"a trial's: --sweep task={asked.task} --set 'piloting.walls=\"{plans.words(found.walls)}\"'{changing}"
+    )
     return "\n".join(lines)

@@ -224,3 +224,14 @@ def test_a_search_that_goes_on_gives_up_walls_from_which_none_goes_on() -> None:
     with pytest.raises(InputError):
         planner.search(task, group, STEP_M, HOW._replace(budget=1), progress=progress, begun=begun)
     assert progress.best == begun
+
+
+def test_a_whole_plan_is_judged_by_new_herds_of_a_stated_number_and_its_interval_holds_their_share() -> None:
+    task = tasks.load("task-1")
+    found = planner.search(task, Sliding(), STEP_M, HOW._replace(herds=7), static=True)
+    assert found.judged is not None
+    assert (found.judged.herds, found.judged.share) == (7, 1.0)
+    assert found.judged.low == pytest.approx(1.0 / (1.0 + 1.959964**2 / 7))  # Wilson 1927, where all arrive
+    assert plans.from_json(plans.to_json(found), "here") == found
+    half = plans.judged([0.0, 1.0] * 25)
+    assert (half.low, half.high) == pytest.approx((0.366, 0.634), abs=5e-4)

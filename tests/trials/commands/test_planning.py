@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import sys
 from pathlib import Path
@@ -27,7 +28,15 @@ def test_a_plan_is_written_and_told(tmp_path: Path, capsys, monkeypatch) -> None
     found = plans.read(out)
     assert len(found.walls) == 3
     assert plans.words(found.walls) in told
-    assert "of 20 new herds" in told
+    assert "of 50 new herds" in told
+    written = json.loads(out.read_text())
+    judged, by = written["judged"], written["found"]
+    assert judged["herds"] == 50
+    assert 0.0 <= judged["low"] < judged["share"] <= judged["high"] <= 1.0
+    assert found.judged == tuple(judged.values())
+    assert by["grid"] == {**planner.Grid()._asdict(), "angle_step_deg": 30.0, "lengths_m": [1.5, 2.12]}
+    assert (by["starts"], by["seed"], by["search"]["whole"], by["search"]["herds"]) == (2, 1, 0.9, 50)
+    assert by["settings"] == {"law.separation_m": 0.6}
     assert run(monkeypatch, "task-4", *SMALL, "--out", str(out)) == 2  # it is whole
     assert "expected a new file" in capsys.readouterr().err
 
@@ -42,6 +51,35 @@ def test_a_partial_plan_is_kept_and_gone_on_with(tmp_path: Path, capsys, monkeyp
     assert 0 < len(partial.walls) < 3
     assert run(monkeypatch, "task-4", *SMALL, "--out", str(out)) == 0
     assert plans.read(out).walls[: len(partial.walls)] == partial.walls
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (["--starts", "3"], "its walls were found with starts 2, not 3; expected the same, or a new file"),
+        (["--starts", "2", "--seed", "4"], "its walls were found with seed 1, not 4"),
+        (["--starts", "2", "--set", "law.separation_m=0.5"], "its walls were found with settings"),
+    ],
+)
+def test_a_partial_plan_that_was_found_otherwise_is_refused(
+    words: list[str], told: str, tmp_path: Path, capsys, monkeypatch
+) -> None:
+    out = tmp_path / "plan.json"
+    found = {"law": "reynolds-boids", "starts": 2, "seed": 1, "settings": {"law.separation_m": 0.6}}
+    part = plans.Plan("task-4", False, (plans.Wall(19, 60.0, 2.12),), (1.0,))
+    out.write_text(plans.to_json(part, found))
+    assert run(monkeypatch, "task-4", *words, "--out", str(out)) == 2
+    assert told in capsys.readouterr().err
+    assert plans.read(out) == part
+
+
+def test_a_place_that_cannot_take_a_plan_is_refused_before_the_search(tmp_path: Path, capsys, monkeypatch) -> None:
+    monkeypatch.setattr(planner, "search", lambda *given: pytest.fail("it searched"))
+    for out in (tmp_path / "missing" / "plan.json", tmp_path):
+        assert run(monkeypatch, "task-4", "--out", str(out)) == 2
+        error = capsys.readouterr().err
+        assert "expected the name of a file, in a folder that exists and can be written" in error
+        assert error.count("\n") == 1
 
 
 def test_ctrl_c_keeps_the_walls_that_were_found(tmp_path: Path, capsys, monkeypatch) -> None:
