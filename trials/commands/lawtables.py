@@ -218,7 +218,8 @@ def printed(shown: Sequence[Table], told: Table | None = None) -> str:
             for column in table.head:
                 drawn.add_column(SHORT.get(column, column) if narrow else column)
             for row in table.rows:
-                drawn.add_row(*(Text(SHORT.get(cell, cell) if narrow else cell) for cell in row))
+                cells = [*row[:-1], row[-1].replace(" ", "")] if narrow else row  # the marks stand side by side
+                drawn.add_row(*(Text(SHORT.get(cell, cell) if narrow else cell) for cell in cells))
             console.print(drawn)
         console.print(Text(f"{LEGEND}\n\n{remarks()}"))
         if told:

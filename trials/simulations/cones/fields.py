@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from typing import Annotated, NamedTuple
 
 from flocking import found
-from flocking.errors import InputError
+from flocking.errors import InputError, unknown_name
 from flocking.parameters import Parameter, filled
 from robots import body as bodies
 from sensing.camera import imperfections, setting
@@ -84,11 +84,18 @@ class GroupFields(NamedTuple):
 def trial(experiment: str, repeat: int, *, pipeline: str = GroupFields().pipeline, **setup: Value) -> Trial:
     """Cameras that look at a cone; `setup`: of `TrialFields`."""
     group = Group(law="drive", count=1, pipeline=pipeline, name=EYES)
-    return Trial(experiment, repeat, NAME, "open-floor", "single-file", (group,), setup=setup)
+    return Trial(experiment, repeat, NAME, WORLD, FORMATION, (group,), setup=setup)
+
+
+WORLD, FORMATION = "open-floor", "single-file"
+"""The names that such a trial has because trials have them: there is no other world and no start."""
 
 
 def of_trial(trial: Trial) -> TrialFields:
     """A trial's fields with everything filled in. Raises `InputError`."""
+    for kind, name, only in (("world", trial.world, WORLD), ("formation", trial.formation, FORMATION)):
+        if name != only:
+            raise unknown_name(kind, name, [only])
     filled_in: TrialFields = filled(TrialFields, below(trial.setup, ""))
     return filled_in
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-from flocking import found
+from flocking import found, lawentry
 from flocking.errors import InputError
 from flocking.parameters import declared, filled
 from sensing.camera import imperfections, setting
@@ -26,6 +26,7 @@ def keys_of(trial: Trial, group: Group | None = None) -> list[Section]:
     pipeline = found.load(fields.PIPELINES, own.pipeline, "pipeline").Parameters
     return [
         section("", fields.GroupFields, own._asdict),
+        Section("law.", declared(lawentry.module_of(group.law, group.law_source).Parameters), dict),
         Section("pipeline.", declared(pipeline), lambda: _pipeline(group)),
         section(fields.CAMERAS, setting.Parameters, lambda: fields.cameras_of(group)._asdict()),
         section(fields.IMPERFECTIONS, imperfections.Parameters, lambda: fields.imperfections_of(group)._asdict()),

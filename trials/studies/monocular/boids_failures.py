@@ -36,7 +36,8 @@ def base(repeat: int) -> Trial:
 
 def cells(conditions: Mapping[str, Sequence[Any]]) -> list[dict[str, Any]]:
     """Nine with the failure in their middle; twenty without failures and with those by chance."""
-    counts, times, chances = (conditions[key] for key in (COUNT, MIDDLE, CHANCE))
+    usual = {COUNT: (20,), MIDDLE: (NEVER,), CHANCE: (0.0,)}  # another law's herd may lack some
+    counts, times, chances = (conditions.get(key, usual[key]) for key in (COUNT, MIDDLE, CHANCE))
     nine = [{COUNT: n, MIDDLE: t, CHANCE: 0.0} for n in counts for t in times if n < 20 and t != NEVER]
     twenty = [{COUNT: n, MIDDLE: NEVER, CHANCE: p} for n in counts for p in chances if n >= 20]
     return nine + twenty

@@ -46,7 +46,9 @@ def cells(conditions: Mapping[str, Sequence[Any]]) -> list[dict[str, Any]]:
     """All conditions with normal sight; with short sight the predator without obstacles, as published."""
     every = [dict(zip(conditions, values, strict=True)) for values in itertools.product(*conditions.values())]
     published = [
-        cell for cell in every if cell[VIEW] != SHORT_M or (cell[WITH_PREDATOR], cell[WITH_OBSTACLES]) == (1, 0)
+        cell
+        for cell in every
+        if cell.get(VIEW) != SHORT_M or (cell.get(WITH_PREDATOR, 1), cell.get(WITH_OBSTACLES, 0)) == (1, 0)
     ]
     return published or every
 

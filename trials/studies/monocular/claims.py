@@ -10,8 +10,8 @@ from trials.evidence.runs import Cells, Run
 from trials.studies.monocular.design import BODY, FOOT
 
 KEYS = (BODY,)
-A_FOOT = FOOT
-"""Section 4.4 calls a distance within a foot of the ideal one good; a distance within a foot of the published one
+A_FOOT = 1.0
+"""ft. Section 4.4 calls a distance within a foot of the ideal one good; a distance within a foot of the published one
 reproduces it."""
 NONE = 0.05
 """Touches a trial: fewer than one in twenty trials are none."""
@@ -51,14 +51,14 @@ def _three(cells: Cells) -> list[Question]:
 
 def _distance(cells: Cells, body: object, measure: str, words: str, feet: float) -> Question:
     def judged() -> list[Outcome]:
-        return [near(f"{words}, m", cells.array(measure, body), feet * FOOT, A_FOOT)]
+        return [near(f"{words}, ft", cells.array(measure, body) / FOOT, feet, A_FOOT)]
 
     return Question(
         source="kirchner2006 tests (section 4.4)",
-        quantity=f"{body}: {words}, m",
+        quantity=f"{body}: {words}, ft",
         claim=f"a final distance of {feet:g} feet",
-        judge=all_must_hold(f"within a foot ({A_FOOT:g} m) of the published distance", judged),
-        published=feet * FOOT,
+        judge=all_must_hold("within a foot of the published distance", judged),
+        published=feet,
     )
 
 

@@ -48,8 +48,8 @@ def distance_claims(run: Run) -> list[Entry]:
 
 
 def _distances(cells: Cells) -> list[Question]:
-    rows = published(__package__, "kirchner2006", "appendix_a")["rows"]
-    told = {round(row[0] * FOOT, 6): float(np.mean(row[1:6])) for row in rows}
+    table = published(__package__, "kirchner2006", "appendix_a")
+    told = {round(row[0] * FOOT, 6): mean for row, mean in zip(table["rows"], table["means"], strict=True)}
     found, planned = [], cells.planned()
     for distance, projection in planned:
         if projection != EQUAL_ANGLE or distance not in told:
@@ -58,10 +58,10 @@ def _distances(cells: Cells) -> list[Question]:
         found.append(
             Question(
                 source="kirchner2006 appendix_a (appendix A)",
-                quantity=f"a cone at {distance / FOOT:g} ft: distance, m",
-                claim=f"{feet:.3f} ft, the mean of five tests at {distance / FOOT:g} ft",
+                quantity=f"a cone at {distance / FOOT:g} ft: distance, ft",
+                claim=f"{feet:g} ft, the mean of five tests at {distance / FOOT:g} ft",
                 judge=all_must_hold(f"within {WITHIN:.0%} of what is published", partial(_near, cells, distance, feet)),
-                published=feet * FOOT,
+                published=feet,
             )
         )
     for number, (projection, words, test) in enumerate(
@@ -77,7 +77,8 @@ def _distances(cells: Cells) -> list[Question]:
 
 
 def _near(cells: Cells, distance: float, feet: float) -> list[Outcome]:
-    return [near("distance, m", cells.array("distance", distance, EQUAL_ANGLE), feet * FOOT, WITHIN * distance)]
+    feet_found = cells.array("distance", distance, EQUAL_ANGLE) / FOOT
+    return [near("distance, ft", feet_found, feet, WITHIN * distance / FOOT)]
 
 
 def _right(cells: Cells, mine: list[tuple[float, str]]) -> list[Outcome]:
