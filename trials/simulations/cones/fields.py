@@ -83,7 +83,7 @@ class GroupFields(NamedTuple):
 
 def trial(experiment: str, repeat: int, *, pipeline: str = GroupFields().pipeline, **setup: Value) -> Trial:
     """Cameras that look at a cone; `setup`: of `TrialFields`."""
-    group = Group(law="drive", count=1, pipeline=pipeline, name=EYES)
+    group = Group(law="bumper-only", count=1, pipeline=pipeline, name=EYES)
     return Trial(experiment, repeat, NAME, WORLD, FORMATION, (group,), setup=setup)
 
 

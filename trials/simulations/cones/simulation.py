@@ -7,7 +7,7 @@ from pathlib import Path
 
 from flocking import found, lawentry
 from flocking.errors import InputError
-from flocking.parameters import declared, filled
+from flocking.parameters import Declared, declared, filled
 from sensing.camera import imperfections, setting
 from trials.rows import Section, section
 from trials.simulations.cones import fields
@@ -26,11 +26,19 @@ def keys_of(trial: Trial, group: Group | None = None) -> list[Section]:
     pipeline = found.load(fields.PIPELINES, own.pipeline, "pipeline").Parameters
     return [
         section("", fields.GroupFields, own._asdict),
-        Section("law.", declared(lawentry.module_of(group.law, group.law_source).Parameters), dict),
+        Section("law.", _law(group), lambda: _of_law(group)),
         Section("pipeline.", declared(pipeline), lambda: _pipeline(group)),
         section(fields.CAMERAS, setting.Parameters, lambda: fields.cameras_of(group)._asdict()),
         section(fields.IMPERFECTIONS, imperfections.Parameters, lambda: fields.imperfections_of(group)._asdict()),
     ]
+
+
+def _law(group: Group) -> Mapping[str, Declared]:
+    return declared(lawentry.module_of(group.law, group.law_source).Parameters)
+
+
+def _of_law(group: Group) -> dict[str, object]:
+    return {name: group.law_parameters.get(name, each.default) for name, each in _law(group).items()}
 
 
 def _pipeline(group: Group) -> dict[str, object]:
