@@ -83,8 +83,9 @@ class TestEveryPipeline:
     def test_the_same_trial_gives_the_same_result_recorded_or_not(self, pipeline: str) -> None:
         again = run_trial(seeing(pipeline), scans="all")
         assert_same(result(pipeline), again)
-        assert (again.pictures if reads_images(pipeline) else again.scans) is not None
-        assert len(again.scans.times) == len(again.updates.times)
+        kept = again.pictures if reads_images(pipeline) else again.scans
+        assert kept is not None
+        assert len(kept.times) == len(again.updates.times)
 
     @pytest.mark.parametrize("mode", ["half-resolution", "strong-code"])
     def test_a_recording_changes_nothing_in_any_mode_of_intensity(self, pipeline: str, mode: str) -> None:
