@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from flocking.errors import InputError
 from trials.evidence.runs import Run
 from trials.reports import figures as draw
 from trials.reports.arms import by_arm, panels
@@ -98,7 +99,9 @@ def _around_a_failure(run: Run, place: Place) -> list[Figure]:
     for trial in run.trials:
         time = float(trial.conditions.get(MIDDLE, fields.NEVER))
         if trial.index in done and time > 0.0 and done[trial.index].measures["flocks_before"] == 1.0:
-            result, given = run.series(trial.index), fields.flocks_of(trial)
+            result, given = _series(run, trial.index), fields.flocks_of(trial)
+            if result is None:
+                continue
             after = time + (given.after_s if given is not None else 0.0)
             shown = [(f"before, seed {trial.repeat}", result, int((result.times < time).sum()) - 1)]
             shown.append((f"after, seed {trial.repeat}", result, int(np.searchsorted(result.times, after))))
@@ -110,6 +113,14 @@ def _around_a_failure(run: Run, place: Place) -> list[Figure]:
         *made,
         draw.save(over_time(run, lines, every=5), place, "flocks", "Number of flocks over time", TIME_CAPTION),
     ]
+
+
+def _series(run: Run, index: int) -> TrialResult | None:
+    """The series of a trial; None where it is lost."""
+    try:
+        return run.series(index)
+    except InputError:
+        return None
 
 
 def _words(cell: Mapping[str, Any]) -> str:
@@ -176,11 +187,12 @@ def over_time(run: Run, lines: Mapping[str, Mapping[str, Any]], every: int) -> C
     done = {row.index for row in run.rows() if row.status == "done"}
     drawn = []
     for label, cell in lines.items():
-        found = [
-            run.series(trial.index)
+        kept = [
+            _series(run, trial.index)
             for trial in run.trials
             if trial.index in done and cell.items() <= trial.conditions.items()
         ]
+        found = [result for result in kept if result is not None]
         counts = [numbers(result, every) for result in found]
         if counts:
             drawn.append(Curve(label, found[0].times[::every].tolist(), list(np.array(counts, dtype=float).T)))
