@@ -1,4 +1,4 @@
-"""A robot whose controller is a process of its own, which its image process reaches by UDP or TCP (`wire`).
+"""A robot whose controller is a thread of its own, which its image process reaches by UDP or TCP (`wire`).
 
 Kirchner 2006, section 3.6.7. The controller is a thread with a socket of its own, its own memory and its own stream of
 draws; nothing but the bytes on the wire goes between the two. The loop waits for each answer, so that a trial is that
