@@ -31,7 +31,8 @@ def main(folders: Sequence[str]) -> None:
         store = opened(Path(folder))
         commands.append(_command(store.run))
         experiment, repeats = str(store.run["experiment"]), max(trial.repeat for trial in store.trials)
-        told = f"until decided, at most {repeats} repeats" if "until_decided" in store.run else f"{repeats} repeats"
+        told = f"{repeats} repeat{'s' * (repeats != 1)}"
+        told = f"until decided, at most {told}" if "until_decided" in store.run else told
         store.close()
         for entry in entries:
             columns.setdefault(_name(experiment, entry.get("arm") or {}, told), []).append(entry)

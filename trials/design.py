@@ -93,7 +93,9 @@ def plan(
     total = repeats * sum(len(cells) for _, cells in designs)
     if total > MAX_TRIALS:
         most = MAX_TRIALS * repeats // total
-        raise InputError(f"{total} trials of {repeats} repeats: expected at most {MAX_TRIALS}, as by {most_by} {most}")
+        each = f"{total} trials of {repeats} repeat{'s' * (repeats != 1)}"
+        remedy = f"as by {most_by} {most}" if most else "as by fewer values of what is varied"
+        raise InputError(f"{each}: expected at most {MAX_TRIALS}, {remedy}")
     placed = _placed(module, settings, [{**arm, **cell} for arm, cells in designs for cell in cells], notes)
     own = _of_some_starts(module, repeats, {*settings, *conditions, *arm_values}, notes)
     trials: list[Trial] = []

@@ -125,6 +125,14 @@ class TestCaseStudy:
         assert (group.law, group.law_parameters["repulsion_m"]) == ("snn", 0.4)
 
 
+def test_too_many_trials_of_one_repeat_are_refused_with_what_makes_them_fewer(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(design, "MAX_TRIALS", 8)
+    with pytest.raises(InputError, match="9 trials of 1 repeat: expected at most 8, as by fewer values of what is var"):
+        design.plan("detection-case-study", repeats=1)
+    with pytest.raises(InputError, match="18 trials of 2 repeats: expected at most 8"):
+        design.plan("detection-case-study", repeats=2)
+
+
 def test_what_trials_have_in_common_is_looked_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
     """A plan of thousands of trials is made and checked by its cells, not by its repeats."""
     looked_at: list[Trial] = []

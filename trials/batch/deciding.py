@@ -130,9 +130,9 @@ def told(state: Course) -> str:
     if state.taken == 0:
         return f"no look of {len(state.looks)} was taken yet"
     entries = [entry for entry in state.entries if entry.cells]
-    still = len(state.open())
+    still, repeats = len(state.open()), state.looks[state.taken - 1]
     return (
-        f"look {state.taken} of at most {len(state.looks)}, {state.looks[state.taken - 1]} repeats: "
+        f"look {state.taken} of at most {len(state.looks)}, {repeats} repeat{'s' * (repeats != 1)}: "
         f"{len(entries) - still} of {len(entries)} claims decided"
     )
 

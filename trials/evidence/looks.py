@@ -50,7 +50,7 @@ def planned_looks(block: int, most: int | None = None) -> tuple[int, ...]:
     if most is None:
         return tuple(block * look for look in range(1, MOST + 1))
     if most < FEWEST:
-        raise InputError(f"a budget of {most} repeats decides nothing: expected at least {FEWEST}")
+        raise InputError(f"a budget of {most} repeat{'s' * (most != 1)} decides nothing: expected at least {FEWEST}")
     step = max(min(block, most), -(-most // MOST))
     return (*range(step, most, step), most)
 

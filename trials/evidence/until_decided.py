@@ -139,9 +139,8 @@ def _entries_at(part: Part, claims: Claims, state: Course) -> list[Entry]:
         entry = dataclasses.replace(entry, cells=_of(own, entry))
         fewest = min([outcome.decision.n for outcome in entry.outcomes if outcome.decides], default=entry.n)
         if entry.agrees is not None and 2 * fewest < state.looks[state.taken]:
-            entry = dataclasses.replace(
-                entry, agrees=None, test=f"{entry.test}; only {fewest} repeats could be measured"
-            )
+            few = f"only {fewest} repeat{'s' * (fewest != 1)} could be measured"
+            entry = dataclasses.replace(entry, agrees=None, test=f"{entry.test}; {few}")
         if entry.cells:
             path = (
                 *(before.looks if before else ()),

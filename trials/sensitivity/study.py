@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 import signal
+import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -24,7 +25,7 @@ from trials.sensitivity.ledger import Ledger, opened
 from trials.sensitivity.model import Model, Part, judged, read_cells, supplements
 from trials.sensitivity.points import StoppedError, refused, run_points
 from trials.sensitivity.quantity import lacking, output
-from trials.sensitivity.told import Context, told
+from trials.sensitivity.told import SINGLE, Context, told
 
 PROBE, REFERENCE = "probe", "reference"
 PROBED_REPEATS = 3
@@ -83,6 +84,8 @@ def start(asked: Asked, out: Path | None, jobs: int) -> tuple[str, Path]:
     folders.check_name(out)
     with folders.new_folder(out, f"{made.experiment}-sensitivity") as folder:
         ledger = opened(folder, kept_as)
+        if made.repeats == 1:  # before the budget is spent
+            print(f"note: {SINGLE}", file=sys.stderr, flush=True)
         try:
             return _run(asked, made, model, count, without, ledger, jobs), folder
         except KeyboardInterrupt:  # between two batches
@@ -182,8 +185,9 @@ def _trials(budget: Budget, ledger: Ledger, least: int, jobs: int, factors: int)
 
 
 def _too_small(budget: Budget, least: int, told_s: str, factors: int) -> InputError:
+    choices = f"{factors} choice{'s' * (factors != 1)}"
     return InputError(
-        f"--budget {budget.text}: one screening of {factors} choices takes at least {least} trials{told_s}; "
+        f"--budget {budget.text}: one screening of {choices} takes at least {least} trials{told_s}; "
         f"expected --budget {least} or more, fewer --keys or fewer --repeats"
     )
 

@@ -17,6 +17,11 @@ from trials.sensitivity.explore import LEAST_BASE, MATTERS, Explored, Findings, 
 from trials.sensitivity.model import Model
 from trials.types import Value
 
+SINGLE = (
+    "a single repeat cannot tell the effect of a choice from noise, and decides no verdict: all numbers are those of "
+    "one seed; expected --repeats 3 or more"
+)
+"""Said of an analysis with one repeat: the intervals of its indices are over points, not over seeds."""
 HEAD = ("choice", "value", "range", "mu*", "first", "total")
 
 
@@ -43,19 +48,24 @@ def told(context: Context, explored: Explored) -> str:
     """All of it in lines for a terminal."""
     model = context.model
     lines = [
-        f"{model.experiment}: {len(model.varied)} choices varied, {explored.points} points of {context.trials_each} "
-        f"trials ({model.repeats} repeats, the same starts and noise at every point), seed {model.seed}",
+        f"{model.experiment}: {_several(len(model.varied), 'choice')} varied, {_several(explored.points, 'point')} of "
+        f"{_several(context.trials_each, 'trial')} ({_several(model.repeats, 'repeat')}, the same starts and noise at "
+        f"every point), seed {model.seed}",
         f"screening of {explored.trajectories} trajectories (mu*); {_second(context, explored)}",
     ]
     if context.without:
         lines.append(f"not varied, as they have no range: {', '.join(context.without)}")
     if context.refused:
         lines.append(f"{len(context.refused)} points do not fit together and were not run: {context.refused[0]}")
-    lines += [f"note: {note}" for note in context.notes]
+    lines += [f"note: {note}" for note in (*([SINGLE] if model.repeats == 1 else []), *context.notes)]
     for claim, entry, findings in zip(model.claims, context.entries, explored.findings, strict=True):
         lines += ["", *_claim(context, explored, claim, entry, findings)]
     lines += ["", f"The same table on any machine: --budget {context.budget}"]
     return "\n".join(lines)
+
+
+def _several(number: int, what: str) -> str:
+    return f"{number} {what}{'s' * (number != 1)}"
 
 
 def _second(context: Context, explored: Explored) -> str:

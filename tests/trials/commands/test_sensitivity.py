@@ -64,7 +64,7 @@ def test_a_budget_that_one_screening_exceeds_is_refused_before_the_experiments_o
 ) -> None:
     refused = herd("sensitivity", *ASKED[:-1], "40", "--out", "small", cwd=tmp_path)
     assert refused.returncode == 2
-    assert "one screening of 1 choices takes at least" in refused.stderr
+    assert "one screening of 1 choice takes at least" in refused.stderr
     with sqlite3.connect(tmp_path / "small" / "sensitivity.sqlite") as connection:
         stages = {stage for (stage,) in connection.execute("SELECT DISTINCT stage FROM trials")}
     assert stages == {study.PROBE}  # which tells what cells the claims read

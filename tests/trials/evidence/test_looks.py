@@ -69,6 +69,8 @@ def test_the_plan_of_looks() -> None:
     assert planned_looks(7, 3) == (3,)
     with pytest.raises(InputError, match="decides nothing"):
         planned_looks(7, 2)
+    with pytest.raises(InputError, match="a budget of 1 repeat decides nothing"):
+        planned_looks(7, 1)
     assert planned_looks(1, 20) == (3, 6, 9, 12, 15, 18, 20)
     for block in range(1, 12):
         for most in range(3, 120):
