@@ -14,7 +14,7 @@ from typing import Annotated, Any, NamedTuple
 from flocking import lawentry, users_files
 from flocking.errors import InputError, unknown_name
 from flocking.parameters import Parameter, filled
-from generation import behaviours, sources
+from generation import sources
 from generation.behaviours import Behaviour
 from generation.environment import Environment
 from generation.group import Group
@@ -23,7 +23,8 @@ from generation.validation.starts import Starts
 from generation.validation.uplift import Uplift
 from generation.validation.validate import Plan, Validated, overall
 from trials.commands import lawcheck
-from trials.environments.blocks import robustnesses, validated
+from trials.environments.blocks import USERS_S, robustnesses, validated
+from trials.environments.limits import loaded
 
 PREFIXES = ("law", "members", "starts", "behaviour", "robustness")
 """What keys of --set begin with."""
@@ -87,7 +88,7 @@ def validate(asked: Asked) -> None:
         lawcheck.check(asked.law)
     console = Console()
     with users_files.executed(True):
-        behaviour = behaviours.load(asked.behaviour)
+        behaviour = loaded(asked.behaviour, USERS_S)
         behaviour.filled(asked.of("behaviour"))
         group, starts = group_of(asked, asked.law, asked.members)
         perturbations: Perturbations = filled(Perturbations, asked.of("robustness"), "robustness.")
@@ -166,7 +167,8 @@ def _read(path: Path) -> Environment:
 
 
 def _told(asked: Asked, behaviour: Behaviour, count: int) -> str:
-    who = "kinematic members" if asked.body is None else f"robots ({asked.body})"
+    several = "s" * (asked.members != 1)
+    who = f"kinematic member{several}" if asked.body is None else f"robot{several} ({asked.body})"
     starts = f"{asked.repeats} start{'s' * (asked.repeats > 1)}" + (" and mirror images" if asked.mirror else "")
     return (
         f"{behaviour.name}: {asked.members} {who} of {asked.law}, {behaviour.iterations} iterations, {starts} in each "

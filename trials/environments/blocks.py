@@ -8,17 +8,17 @@ from typing import Any
 from flocking import users_files
 from flocking.errors import InputError
 from flocking.found import is_path
-from generation import behaviours
 from generation.environment import Environment
 from generation.group import Group
 from generation.validation.kinematic import KinematicGroup
 from generation.validation.robustness import Robustness, robustness
 from generation.validation.validate import AT_A_TIME, Plan, Validated, validate
 from trials.environments.hands import LIMIT_S, in_order
+from trials.environments.limits import loaded
 
 USERS_S, USERS_EACH_S = 10.0, 2.0
 """Processor time that a block may take where a behaviour is a file of the user's own, which need not return: once, and
-for each of its simulations."""
+for each of its simulations. Each call of the behaviour may take the first."""
 
 
 def validated(
@@ -39,9 +39,9 @@ def validated(
         limit_s = USERS_S + USERS_EACH_S * simulations * min(block, len(environments))
     elif jobs == 1 or len(environments) <= block:
         with users_files.executed(True):
-            loaded = behaviours.load(behaviour)
-            parameters = loaded.filled(given)
-        yield from validate(environments, loaded, group, plan, parameters)
+            judging = loaded(behaviour, USERS_S)
+            parameters = judging.filled(given)
+        yield from validate(environments, judging, group, plan, parameters)
         return
     else:
         limit_s = LIMIT_S
@@ -81,7 +81,8 @@ def robustnesses(
 
 
 def _ends_by_itself(behaviour: str, group: Group) -> bool:
-    """Whether no code of the user's own runs that no other watch ends: robots' trials have one of their own."""
+    """Whether no code of the user's own runs that no other watch ends: robots' trials have one of their own, and a
+    behaviour a limit for each call."""
     return not is_path(behaviour) or not isinstance(group, KinematicGroup)
 
 
@@ -95,8 +96,8 @@ def _robustness(
     others: Mapping[str, Group],
     given: Mapping[str, Any],
 ) -> Robustness:
-    loaded = behaviours.load(behaviour)
-    return robustness(environment, number, loaded, group, plan, epsilon_m, others, loaded.filled(given))
+    judging = loaded(behaviour, USERS_S)
+    return robustness(environment, number, judging, group, plan, epsilon_m, others, judging.filled(given))
 
 
 def _block(
@@ -110,8 +111,8 @@ def _block(
     """The outcomes of a block, and why it ended before its end."""
     found: list[Validated] = []
     try:
-        loaded = behaviours.load(behaviour)
-        for one in validate(environments, loaded, group, plan, loaded.filled(given), first):
+        judging = loaded(behaviour, USERS_S)
+        for one in validate(environments, judging, group, plan, judging.filled(given), first):
             found.append(one)
     except InputError as error:
         return found, str(error)

@@ -106,7 +106,7 @@ def test_robots_are_tried_beside_their_empty_world(
     code, out, err = herd(monkeypatch, capsys, *words, "--set", "members.obstacles=as-law")
     assert (code, err) == (0, "")
     told = " ".join(out.split())
-    assert "1 robots (create) of random-motion" in told
+    assert "1 robot (create) of random-motion" in told
     assert "wall 1.00 2 of 2 0 of 2 +1.00" in told
     assert "success 1.000 with the constructs, 0.000 in the empty world on the same starts" in told
     (row,) = csv.DictReader((tmp_path / "o.csv").open(encoding="utf-8"))
@@ -182,6 +182,21 @@ def test_a_behaviour_that_does_not_return_is_ended(
     code, _, err = herd(monkeypatch, capsys, str(folder / "made"), "--behaviour", str(own), *GROUP)
     assert (code, err.count("\n")) == (2, 1)
     assert "takes more than 2 s" in err
+
+
+@pytest.mark.parametrize("where", ["fitness", "file"])
+def test_a_behaviour_that_does_not_return_is_ended_with_robots_too(
+    where: str, folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    endless = "sum(0 for _ in iter(int, 1))"
+    own = folder / "own.py"
+    own.write_text(BAD.format(endless) if where == "fitness" else f"{BAD.format(0.5)}\n{endless}\n", encoding="utf-8")
+    for module in (blocks, validation):
+        monkeypatch.setattr(module, "USERS_S", 1.0)
+    words = [str(folder / "made"), "--behaviour", str(own), *GROUP, "--body", "create"]
+    code, _, err = herd(monkeypatch, capsys, *words)
+    assert (code, err.count("\n")) == (2, 1)
+    assert "own.py' did not return within 1 s of processor time" in err
 
 
 def test_plans_of_other_formats_are_environments_too(
