@@ -49,7 +49,7 @@ def validated(
         (environments[first : first + block], first, behaviour, group, plan, dict(given or {}))
         for first in range(0, len(environments), block)
     ]
-    for outcomes, error in in_order(_block, calls, jobs, limit_s=limit_s):
+    for outcomes, error in in_order(_block, calls, jobs, prepared, limit_s):
         yield from outcomes
         if error:
             raise InputError(error)
@@ -72,12 +72,18 @@ def robustnesses(
     ]
     simulations = 2 * plan.repeats * (2 if plan.mirror else 1) * (2 + len(others))
     if not _ends_by_itself(behaviour, group):
-        yield from in_order(_robustness, calls, jobs, limit_s=USERS_S + USERS_EACH_S * simulations)
+        yield from in_order(_robustness, calls, jobs, prepared, USERS_S + USERS_EACH_S * simulations)
     elif jobs == 1 or len(calls) < 2:
         with users_files.executed(True):
             yield from (_robustness(*call) for call in calls)
     else:
         yield from in_order(_robustness, calls, jobs)
+
+
+def prepared() -> None:
+    """Imports the kernel of kinematic herds, which compiles it where this machine has not yet: no block's limit counts
+    that."""
+    import flocking.kinematic.kernel  # noqa: F401
 
 
 def _ends_by_itself(behaviour: str, group: Group) -> bool:

@@ -6,6 +6,7 @@ import csv
 import json
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -182,6 +183,27 @@ def test_a_behaviour_that_does_not_return_is_ended(
     code, _, err = herd(monkeypatch, capsys, str(folder / "made"), "--behaviour", str(own), *GROUP)
     assert (code, err.count("\n")) == (2, 1)
     assert "takes more than 2 s" in err
+
+
+def test_what_a_block_may_take_does_not_count_what_is_compiled_before_it(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Workers import the kernel, which compiles it, before their first block: where nothing is cached that takes a
+    minute and more, and a block of a user's behaviour may take 14 s."""
+    own, seen = folder / "own.py", []
+    own.write_text(BAD.format(0.5), encoding="utf-8")
+    in_order = blocks.in_order
+
+    def kept(*given: Any, **more: Any) -> Any:
+        seen.append(given[3])
+        return in_order(*given, **more)
+
+    monkeypatch.setattr(blocks, "in_order", kept)
+    words = [str(folder / "made"), "--behaviour", str(own), *GROUP]
+    assert herd(monkeypatch, capsys, *words)[0] == 0
+    assert seen == [blocks.prepared]
+    blocks.prepared()
+    assert "flocking.kinematic.kernel" in sys.modules
 
 
 @pytest.mark.parametrize("where", ["fitness", "file"])
