@@ -1,8 +1,10 @@
 """Writes the outcomes of runs of a study into its page, docs/STUDY.md.
 
     python -m scripts.study_outcomes runs/lch-table-4-1/001 runs/lch-robots/001 …
+    python -m scripts.study_outcomes docs/boids_predator.md runs/boids-predator/001 …
 
-One table for each run, in the order given; all runs are of one study. All numbers are those of `herd report`.
+One table for each run, in the order given; all runs are of one study. A page comes first where it is not docs/STUDY.md.
+All numbers are those of `herd report`.
 """
 
 from __future__ import annotations
@@ -26,9 +28,11 @@ MOST_ROWS = 60
 """Entries of a run that the page shows; the report shows all."""
 
 
-def main(folders: Sequence[str]) -> None:
-    """Replaces the text between the marks of the page of the runs' study."""
-    page = _page(folders)
+def main(given: Sequence[str]) -> None:
+    """Replaces the text between the marks of the page of the runs' study, or of the page that is given first."""
+    own = Path(given[0]) if given[:1] and given[0].endswith(".md") else None
+    folders = given if own is None else given[1:]
+    page = _page(folders) if own is None else own
     parts = [
         "## Outcomes",
         "",

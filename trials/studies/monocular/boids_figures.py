@@ -37,6 +37,8 @@ ROOM_PX = 9.0
 """Between a flock and its box."""
 DISC_PX = 20.0
 SIGHTS = ((NORMAL_M, "normal sight"), (SHORT_M, "short sight"))
+ARROWS = {"scale": 22.0, "width": 0.009, "pivot": "mid"}
+"""Of headings: a twenty-second of a panel's width."""
 MOMENTS_CAPTION = (
     "The first seed of each setting after one minute; pixels of 8 mm, as figures 3.8 to 3.11 of Kirchner 2006. Blue: "
     "the robots; red: the predator; grey: obstacles. A box holds each flock of two or more."
@@ -55,13 +57,13 @@ def figures(run: Run, folder: Path) -> list[Figure]:
 
 def _after_a_minute(run: Run, place: Place) -> list[Figure]:
     wanted = [
-        (f"{count} robots, {words}", {COUNT: count, VIEW: view, WITH_PREDATOR: 1, WITH_OBSTACLES: 0})
+        (f"{count}, {words}", {COUNT: count, VIEW: view, WITH_PREDATOR: 1, WITH_OBSTACLES: 0})
         for view, words in SIGHTS
         for count in (3, 20)
     ]
-    others = ((1, 7, "predator and obstacles"), (0, 0, "neither"), (0, 7, "obstacles"))
+    others = ((1, 7, "with obstacles"), (0, 0, "no predator"), (0, 7, "obstacles alone"))
     wanted += [
-        (f"20 robots, {words}", {COUNT: 20, VIEW: NORMAL_M, WITH_PREDATOR: predators, WITH_OBSTACLES: obstacles})
+        (f"20, {words}", {COUNT: 20, VIEW: NORMAL_M, WITH_PREDATOR: predators, WITH_OBSTACLES: obstacles})
         for predators, obstacles, words in others
     ]
     shown = panels(run, wanted)
@@ -160,7 +162,7 @@ def moments(shown: Sequence[tuple[str, TrialResult | None, int]]) -> Canvas:
             colours = [
                 COLOURS.get(group.name, COLOURS["herd"]) if works[k] else FAILED for k in range(*own.indices(first))
             ]
-            axis.quiver(*places[own].T, *noses[own].T, color=colours, scale=28.0, width=0.006, pivot="mid")
+            axis.quiver(*places[own].T, *noses[own].T, color=colours, **ARROWS)
         for low, high in boxes(result, moment):
             axis.add_patch(Rectangle(tuple(low), *(high - low), fill=False, ec=BOX, lw=0.8))
         for x, y in places[: result.trial.groups[0].count][~works[: result.trial.groups[0].count]]:
