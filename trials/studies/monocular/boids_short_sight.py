@@ -13,7 +13,7 @@ from trials.studies.monocular.boids_claims import sight_claims as claims
 from trials.studies.monocular.boids_figures import sight_figures as figures
 from trials.types import Trial
 
-REPEATS = 20
+REPEATS = 100
 RECORD = "none"
 CONDITIONS = {VIEW: (SHORT_M, NORMAL_M)}
 KEY_MEASURES = ("flocks_end", "flocks_later", "flocks_least", "flocks_most")
