@@ -11,9 +11,8 @@ from flocking.angles import wrapped
 from flocking.measures import formation
 from flocking.types import Floats
 from robots import body as bodies
-from robots.eyes import CONE_RADIUS
 from trials.simulations.robots.fields import of_group
-from trials.simulations.robots.seen import cones_w
+from trials.simulations.robots.seen import exact_inputs
 from trials.types import Measure, Trial, TrialResult
 
 FLOCK_CUT_M = 4 * 0.3048
@@ -23,8 +22,8 @@ of the collapsed safety bubble, 38.1 to a foot."""
 LEAD = "lead"
 
 ABOUT: dict[str, Measure] = {
-    "bearing_error": Measure("rad", "of an input: how far its bearing is from that of the cone that it is of, mean"),
-    "distance_error": Measure("", "of an input: amount by which its distance errs, of the cone's near side, mean"),
+    "bearing_error": Measure("rad", "of an input: how far its bearing is from the true one, of a cone in images, mean"),
+    "distance_error": Measure("", "of an input: amount by which its distance errs, of the true one, mean"),
     "distance_bias": Measure("", "the same with its sign: above 0, estimates are too long"),
     "flocks": Measure("", "number of flocks at the end (single linkage, 4 feet)"),
     "one_flock_share": Measure("", "share of the second half in which all robots are one flock"),
@@ -83,11 +82,9 @@ def _estimates(result: TrialResult) -> dict[str, float]:
         return {}
     of_update = np.repeat(np.arange(len(counts)), counts)[owned]
     owners, inputs = updates.input_owners[owned].astype(np.int64), updates.input_positions[owned].astype(np.float64)
-    poses = updates.poses_w[of_update]
-    true = cones_w(result, updates.times)[of_update, owners] - poses[:, :2]
-    bearings = np.arctan2(true[:, 1], true[:, 0]) - poses[:, 2]
-    errors = wrapped(np.arctan2(inputs[:, 1], inputs[:, 0]) - bearings)
-    away = np.maximum(np.hypot(true[:, 0], true[:, 1]) - CONE_RADIUS, 1e-3)
+    exact = exact_inputs(result, updates.times, updates.robots, updates.poses_w)[of_update, owners]
+    errors = wrapped(np.arctan2(inputs[:, 1], inputs[:, 0]) - np.arctan2(exact[:, 1], exact[:, 0]))
+    away = np.maximum(np.hypot(exact[:, 0], exact[:, 1]), 1e-3)
     relative = np.hypot(inputs[:, 0], inputs[:, 1]) / away - 1.0
     sound = np.isfinite(errors) & np.isfinite(relative)
     if not sound.any():

@@ -14,7 +14,9 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from flocking.parameters import Parameter
+from sensing.camera.looking import NONE
 from trials.simulations.robots.fields import group, of_group, trial
+from trials.simulations.robots.resolved import Resolved
 from trials.types import Group, Trial, Value, with_setup
 
 FOOT = 0.3048
@@ -91,8 +93,18 @@ def following(experiment: str, repeat: int, legs: Sequence[Leg], x_ft: float) ->
     return trial(experiment, repeat, [seeing(1), lead(legs, x_ft)], world="open-floor", duration_s=seconds(legs))
 
 
+def from_the_lens(group: Group) -> Group:
+    """The group with distances as the thesis has them: from the lens to the cone's near side (equation 3.5).
+
+    Detections that read no images measure from centre to centre, and whoever sets `offset` has it as set.
+    """
+    if "offset" not in Resolved(group).pipeline.Parameters._fields:
+        return group
+    return dataclasses.replace(group, pipeline_parameters={"offset": NONE, **group.pipeline_parameters})
+
+
 def finish(trial: Trial) -> Trial:
     """All robots of a trial have one body, that of those that see."""
     body = next(of_group(each).body for each in trial.groups if each.name == HERD)
-    groups = tuple(with_setup(each, {"body": body}) for each in trial.groups)
+    groups = tuple(with_setup(from_the_lens(each), {"body": body}) for each in trial.groups)
     return dataclasses.replace(trial, groups=groups)

@@ -2,7 +2,8 @@
 
 Kirchner 2006 has three Pioneers and the nearest neighbour alone; its first extension is all neighbours (section 5.1).
 Robots start scattered, each in sight of some other; a flock is what no gap of more than four feet divides (section
-3.3). Perfect sensing has the cameras' view, 220 degrees and eight feet, with robots hiding one another and without.
+3.3). Perfect sensing has the cameras' view, 220 degrees and eight feet, with robots hiding one another and without, and
+measures from centre to centre where images give the way from the lens to the cone's near side.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from typing import Any
 
 from flocking.parameters import Parameter
 from trials.simulations.robots.fields import trial
-from trials.studies.monocular.design import BODIES, BODY, FOOT, HERD, LAW, RATE_HZ, seeing
+from trials.studies.monocular.design import BODIES, BODY, FOOT, HERD, LAW, RATE_HZ, from_the_lens, seeing
 from trials.studies.monocular.flock_claims import COUNT, NEAREST, OCCLUSION, ONE, PERFECT, PIPELINE, SEVERAL, claims
 from trials.studies.monocular.flock_figures import figures
 from trials.types import Trial, Value, with_setup
@@ -70,11 +71,10 @@ def base(repeat: int) -> Trial:
 
 
 def finish(trial: Trial) -> Trial:
-    """Perfect sensing has the cameras' view."""
+    """Perfect sensing has the cameras' view; images have distances from the lens."""
     (herd,) = trial.groups
-    if herd.pipeline != PERFECT:
-        return trial
-    herd = dataclasses.replace(herd, pipeline_parameters={**VIEW, **herd.pipeline_parameters})
+    view = VIEW if herd.pipeline == PERFECT else {}
+    herd = from_the_lens(dataclasses.replace(herd, pipeline_parameters={**view, **herd.pipeline_parameters}))
     return dataclasses.replace(trial, groups=(herd,))
 
 
