@@ -126,6 +126,11 @@ def _check_link(its: Resolved) -> None:
             f"{name}.link = {given.link!r}: law {its.group.law!r} has no message to a controller; expected "
             f"{wire.IN_PROCESS!r}, or a law that has one: {', '.join(lawparts.names())}"
         )
+    if not wire.is_of_one_machine(given.link_address):
+        raise InputError(
+            f"{name}.link_address = {given.link_address!r} is no machine's own: nothing comes from it; expected an "
+            "address of this machine, as 127.0.0.1 or ::1"
+        )
     if not wire.is_loopback(given.link_address) and not given.link_beyond_loopback:
         raise InputError(
             f"{name}.link_address = {given.link_address!r} is not loopback: other machines reach it; expected "

@@ -41,7 +41,9 @@ LIMIT_S = 15.0
 MOST_LOST = 3
 """Three times the limit is less than the minute after which a worker that uses no processor time is ended."""
 LOOK_S = 0.25
-"""How often one who waits for an answer looks whether the controller is still there."""
+"""How often one who waits for an answer looks whether the controller is still there, and it whether it is to end."""
+END_S = 5.0
+"""Wall time in which a controller ends, before its socket is closed: it may be at work on a message."""
 MOST_BYTES = 65_536
 
 ABOUT = {
@@ -130,7 +132,8 @@ def connected(way: Way, near: Counts, far: Counts) -> tuple[End, End]:
         ends = _udp(way.host, near, far) if way.kind == UDP else _tcp(way.host, near, far)
     except OSError as error:
         raise LinkError(f"no controller at {way.host} by {way.kind}: {error.strerror or error}") from None
-    ends[0].socket.settimeout(LOOK_S)
+    for end in ends:
+        end.socket.settimeout(LOOK_S)
     return ends
 
 
@@ -191,6 +194,7 @@ class Link:
         self._ends: tuple[End, End] | None = None
         self._thread: threading.Thread | None = None
         self._failed: Exception | None = None
+        self._ended = threading.Event()
 
     def at(self, time: float) -> Link:
         """The same at that simulated time, s."""
@@ -204,13 +208,13 @@ class Link:
         motion[:] = self._ask(tuple(self._told.tolist()))
 
     def close(self) -> None:
-        """Ends the controller and closes the sockets."""
+        """Ends the controller and closes the sockets, whether or not what is sent to it arrives."""
         if self._ends is None or self._thread is None:
             return
-        while self._thread.is_alive():
-            with contextlib.suppress(OSError):
-                self._ends[0].send(b"")
-            self._thread.join(LOOK_S)
+        self._ended.set()
+        with contextlib.suppress(OSError):
+            self._ends[0].send(b"")  # it need not wait until it looks
+        self._thread.join(END_S)
         for end in self._ends:
             end.socket.close()
         self._ends = self._thread = None
@@ -219,6 +223,7 @@ class Link:
         """The near end of a connection to a controller that runs."""
         if self._ends is None:
             self._ends = connected(self._way, self.asker.counts, self.controller.counts)
+            self._ended.clear()
             self._thread = threading.Thread(target=self._serve, args=(self._ends[1],), daemon=True)
             self._thread.start()
         return self._ends[0]
@@ -226,7 +231,7 @@ class Link:
     def _serve(self, far: End) -> None:
         """The controller: answers until the connection is ended."""
         try:
-            while True:
+            while not self._ended.is_set():
                 data = far.receive()
                 answer = None if data is None else self.controller.answer(data)
                 if answer is not None:

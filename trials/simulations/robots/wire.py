@@ -76,6 +76,13 @@ def is_loopback(text: str) -> bool:
     return ipaddress.ip_address(text).is_loopback
 
 
+def is_of_one_machine(text: str) -> bool:
+    """Whether that IP address can be one machine's: 0.0.0.0 and :: stand for all of its own, multicast for many's."""
+    its = ipaddress.ip_address(text)
+    its = getattr(its, "ipv4_mapped", None) or its
+    return not (its.is_unspecified or its.is_multicast)
+
+
 def encoded_message(robot: int, sequence: int, time: float, told: tuple[float, ...]) -> bytes:
     """A message as bytes. Raises `ValueError` for one that holds nan elsewhere than in the distance."""
     omega, closure, distance, bearing = told

@@ -191,6 +191,27 @@ def test_datagrams_from_elsewhere_are_dropped_and_counted(
     assert found.measures["link_dropped"] == 2 * len(found.updates.times)
 
 
+@pytest.mark.parametrize("kind", ["udp", "tcp"])
+def test_a_controller_ends_though_it_is_not_told(
+    kind: str, in_process: TrialResult, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The empty datagram, or the end of the stream, never arrives; the controllers end by themselves."""
+
+    def wrap(near: link.End, far: link.End) -> None:
+        ask = near.send
+
+        def asked(data: bytes) -> None:
+            if data:
+                ask(data)
+
+        near.send = asked  # type: ignore[method-assign]
+
+    wrapped(monkeypatch, wrap)
+    before = threading.active_count()
+    assert_same(run_trial(trial(link=kind)), in_process)
+    assert threading.active_count() == before
+
+
 def test_a_users_own_law_with_the_two_parts(tmp_path: Path, in_process: TrialResult) -> None:
     mine = tmp_path / "mine.py"
     mine.write_text(Path(str(lawentry.module_of(LAW).__file__)).read_text())
@@ -222,7 +243,16 @@ class TestRefused:
         with pytest.raises(InputError, match="has no message"):
             lawparts.load(lawentry.load(law))
 
-    @pytest.mark.parametrize("address", ["0.0.0.0", "192.0.2.7", "::"])
+    @pytest.mark.parametrize("address", ["0.0.0.0", "::", "::ffff:0.0.0.0", "224.0.0.1"])
+    def test_an_address_that_is_no_machines_own(self, address: str) -> None:
+        with pytest.raises(InputError) as refused:
+            checks.check(trial(link="udp", link_address=address, link_beyond_loopback=True))
+        said = str(refused.value)
+        assert f"herd.link_address = {address!r} is no machine's own" in said
+        assert "expected an address of this machine" in said
+        assert "\n" not in said
+
+    @pytest.mark.parametrize("address", ["192.0.2.7", "2001:db8::1"])
     def test_an_address_that_is_not_loopback_without_the_flag(self, address: str) -> None:
         with pytest.raises(InputError) as refused:
             checks.check(trial(link="udp", link_address=address))
