@@ -2,8 +2,9 @@
 
 One entry of `images` a picture, with who took it, with which camera and when; one of `annotations` for each cone and
 each robot that a picture shows, with its box, its pixels (run-length encoded, column by column, as COCO has them) and
-two attributes of ours, `bearing_rad` and `distance_m`. Pixels and boxes are of what can be seen: what is hidden is no
-one's.
+two attributes of ours, `bearing_rad` and `distance_m`. Both are from the lens that took the picture: the bearing off
+its axis, left positive, so that `sensing.camera.lens.places` gives the column; the distance to the near side of a cone,
+and to the centre of a robot. Pixels and boxes are of what can be seen: what is hidden is no one's.
 """
 
 from __future__ import annotations
@@ -34,10 +35,10 @@ class Labelled(NamedTuple):
     """(H, W) index of the robot whose cone each pixel shows, −1 = no one's."""
     robots: NDArray[np.integer]
     """(H, W) the same of robots as a whole, their cones included."""
-    bearings: Floats
-    """(N,) of the cones' axes in the body frame of who took it, rad; of a robot without a cone, of its centre."""
-    distances: Floats
-    """(N,) from the camera to the cones' near sides, m; to the centre of a robot without a cone."""
+    cones_at: Floats
+    """(N, 2) bearing of each cone's axis in the camera's frame, rad, and distance from the lens to its near side, m."""
+    robots_at: Floats
+    """(N, 2) the same of the robots' own centres."""
 
 
 def coco(pictures: Iterable[Labelled], description: str = "") -> dict[str, Any]:
@@ -67,12 +68,12 @@ def annotations_of(picture: Labelled) -> list[dict[str, Any]]:
     """Of all cones, then of all robots that a picture shows, by index. Raises InputError for shapes that differ."""
     if picture.cones.shape != picture.robots.shape or picture.cones.ndim != 2:
         raise InputError(f"owners of shapes {picture.cones.shape} and {picture.robots.shape}: expected one (H, W)")
-    known = min(len(picture.bearings), len(picture.distances))
     made = []
-    for category, owners in enumerate((picture.cones, picture.robots), start=1):
+    seen = ((picture.cones, picture.cones_at), (picture.robots, picture.robots_at))
+    for category, (owners, at) in enumerate(seen, start=1):
         for owner in np.unique(owners[owners >= 0]).tolist():
-            if owner >= known:
-                raise InputError(f"a pixel of robot {owner}: expected an index below {known}, that of the bearings")
+            if owner >= len(at):
+                raise InputError(f"a pixel of robot {owner}: expected an index below {len(at)}, that of the bearings")
             mask = owners == owner
             rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
             made.append(
@@ -88,8 +89,8 @@ def annotations_of(picture: Labelled) -> list[dict[str, Any]]:
                     "segmentation": encoded(mask),
                     "iscrowd": 0,
                     "robot": owner,
-                    "bearing_rad": float(picture.bearings[owner]),
-                    "distance_m": float(picture.distances[owner]),
+                    "bearing_rad": float(at[owner, 0]),
+                    "distance_m": float(at[owner, 1]),
                 }
             )
     return made

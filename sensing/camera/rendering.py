@@ -9,7 +9,8 @@ Whose cone a pixel shows is read from a second rendering, in which each solid ha
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import cv2
@@ -51,6 +52,17 @@ class Shown(NamedTuple):
     right_robots: Owners
 
 
+class Standing(NamedTuple):
+    """Where things stand as an image is taken, in the world frame; N robots."""
+
+    lens_w: Floats
+    """(3,) x and y of the lens, m, and where its axis points, rad."""
+    cones_w: Floats
+    """(N, 2) the axes of the robots' cones, m; nan of a robot without one."""
+    robots_w: Floats
+    """(N, 2) the robots' own centres, m."""
+
+
 class Cameras:
     """The camera pairs of all robots of one compiled model.
 
@@ -78,9 +90,13 @@ class Cameras:
         self._robot = np.full(model.ngeom, NOBODY, np.int16)
         roots = [model.body(int(root)).name for root in model.body_rootid[model.geom_bodyid]]
         self._cameras: list[tuple[int, int]] = []
+        self._cones, self._roots = list[int](), list[int]()
         for k, prefix in enumerate(prefixes):
             cone = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_GEOM, f"{prefix}{CONE}")
-            self._robot[[root.startswith(prefix) for root in roots]] = k
+            own = np.array([root.startswith(prefix) for root in roots])
+            self._robot[own] = k
+            self._cones.append(cone)
+            self._roots.append(int(model.body_rootid[model.geom_bodyid[own.argmax()]]))
             if cone >= 0:
                 self._owner[cone] = k
                 if colours is not None:
@@ -102,21 +118,13 @@ class Cameras:
 
     def look(self, data: mujoco.MjData, k: int, time: float, lag_s: float = 0.0) -> Images:
         """The images of robot k at `data`'s places; the right one `lag_s` later, as the robots move then."""
-        lens = self._lens(k)
-        self._place(data)
-        left = self._pixels(k, 0, lens, ids=False)
-        if lag_s:
-            self._place(data, lag_s)
-        right = self._pixels(k, 1, lens, ids=False)
+        left, right = self._pair(data, k, lag_s, ids=False)
         return Images(time, left, right)
 
-    def shown(self, data: mujoco.MjData, k: int) -> Shown:
-        """Whose cones the pixels of `look` show, both at `data`'s places."""
-        lens = self._lens(k)
-        self._place(data)
-        table, found = self._tables[lens], []
-        for side in range(2):
-            pixels = self._pixels(k, side, lens, ids=True)
+    def shown(self, data: mujoco.MjData, k: int, lag_s: float = 0.0) -> Shown:
+        """Whose cones the pixels of the same `look` show."""
+        table, found = self._tables[self._lens(k)], []
+        for pixels in self._pair(data, k, lag_s, ids=True):
             coded = pixels[:, :, 0].astype(np.int32) | pixels[:, :, 1].astype(np.int32) << 8
             found.append([
                 np.ascontiguousarray(remap_labels(of_code[coded][::-1], table))
@@ -125,24 +133,32 @@ class Cameras:
         (left, left_robots), (right, right_robots) = found
         return Shown(left, right, left_robots, right_robots)
 
-    def truth(self, data: mujoco.MjData, k: int) -> ScanTruth:
-        """Whose cone each column of the left and then of the right image shows: that of most of its pixels."""
-        lens = self._lens(k)
-        self._place(data)
-        table, columns = self._tables[lens], []
-        for side in range(2):
-            pixels = self._pixels(k, side, lens, ids=True)
+    def truth(self, data: mujoco.MjData, k: int, lag_s: float = 0.0) -> ScanTruth:
+        """Whose cone each column of the same `look` shows, of the left and then of the right image: that of most of its
+        pixels."""
+        table, columns = self._tables[self._lens(k)], []
+        for pixels in self._pair(data, k, lag_s, ids=True):
             owners = _of_columns(pixels, self._owner_of_code(), len(self.lenses))
             columns.append(owners[table.columns])
         of_both = np.concatenate(columns)
         seen = of_both[of_both >= 0]
         return ScanTruth(of_both, np.empty(0), np.bincount(seen, minlength=len(self.lenses)).astype(np.int64))
 
-    def place(self, data: mujoco.MjData, k: int, right: bool) -> Floats:
-        """(2,) x and y of robot k's left or right lens in the world, m."""
-        self._place(data)
-        where: Floats = self._data.cam_xpos[self._cameras[k][right], :2].copy()
-        return where
+    def standing(self, data: mujoco.MjData, k: int, right: bool, lag_s: float = 0.0) -> Standing:
+        """Where robot k's left or right lens, and all cones and robots are as the same `look` takes that image."""
+        self._place(data, lag_s if right else 0.0)
+        camera, cones, its = self._cameras[k][right], np.array(self._cones), self._data
+        ahead = -its.cam_xmat[camera].reshape(3, 3)[:, 2]
+        lens = np.array([*its.cam_xpos[camera, :2], math.atan2(ahead[1], ahead[0])])
+        return Standing(
+            lens, np.where(cones[:, None] >= 0, its.geom_xpos[cones, :2], np.nan), its.xpos[self._roots, :2].copy()
+        )
+
+    def _pair(self, data: mujoco.MjData, k: int, lag_s: float, ids: bool) -> Iterator[Image]:
+        """The left image of robot k at `data`'s places and then the right one, `lag_s` later."""
+        for side in range(2):
+            self._place(data, lag_s if side else 0.0)
+            yield self._pixels(k, side, self._lens(k), ids)
 
     def _lens(self, k: int) -> Lens:
         lens = self.lenses[k]

@@ -39,7 +39,7 @@ def picture(seed: int, name: str = "a.png") -> Labelled:
     rng = np.random.default_rng(seed)
     robots = rng.integers(-1, 4, (6, 9))
     cones = np.where(rng.random((6, 9)) < 0.5, robots, -1)
-    return Labelled(name, 2, "left", 0.5, cones, robots, rng.normal(size=4), rng.uniform(0.2, 3.0, 4))
+    return Labelled(name, 2, "left", 0.5, cones, robots, rng.normal(size=(4, 2)), rng.normal(size=(4, 2)))
 
 
 def test_a_set_of_images_is_json_with_all_that_was_seen():
@@ -54,7 +54,7 @@ def test_a_set_of_images_is_json_with_all_that_was_seen():
     assert {c["id"]: c["name"] for c in made["categories"]} == {1: "cone", 2: "robot"}
     assert not [a for a in made["annotations"] if a["image_id"] == 3]
     for number, each in enumerate(pictures, start=1):
-        for category, owners in ((1, each.cones), (2, each.robots)):
+        for category, owners, at in ((1, each.cones, each.cones_at), (2, each.robots, each.robots_at)):
             mine = [a for a in made["annotations"] if a["image_id"] == number and a["category_id"] == category]
             again = np.full(owners.shape, -1)
             for a in mine:
@@ -67,8 +67,7 @@ def test_a_set_of_images_is_json_with_all_that_was_seen():
                 assert mask[y + height - 1].any()
                 assert mask[:, x].any()
                 assert mask[:, x + width - 1].any()
-                assert a["bearing_rad"] == each.bearings[a["robot"]]
-                assert a["distance_m"] == each.distances[a["robot"]]
+                assert (a["bearing_rad"], a["distance_m"]) == tuple(at[a["robot"]])
             np.testing.assert_array_equal(again, owners)
 
 
@@ -77,6 +76,6 @@ def test_what_does_not_fit_is_refused_in_one_line():
     with pytest.raises(InputError, match="expected one \\(H, W\\)"):
         annotations_of(good._replace(cones=good.cones[:3]))
     with pytest.raises(InputError, match="below 2"):
-        annotations_of(good._replace(bearings=good.bearings[:2]))
+        annotations_of(good._replace(robots_at=good.robots_at[:2]))
     with pytest.raises(InputError, match="expected 6 x 9"):
         decoded({"size": [6, 9], "counts": [3, 4]})

@@ -125,6 +125,23 @@ def test_the_right_image_can_be_later() -> None:
     assert np.array_equal(still.right, again.right)
 
 
+def test_the_truth_of_a_later_right_image_is_later_too() -> None:
+    """As if the right image were taken of a world in which 0.2 s have passed."""
+    world, later = (world_of([(0.0, 0.0, 0.0), (1.2, y, 0.0)]) for y in (-0.9, -0.7))
+    cameras = cameras_of(world, Lens())
+    world.data.qvel[-8 + 1] = 1.0  # the other robot's free joint: y
+    at_once, lagged = (cameras.truth(world.data, 0, lag_s).owners for lag_s in (0.0, 0.2))
+    assert np.array_equal(lagged[:640], at_once[:640])
+    expected = cameras_of(later, Lens()).truth(later.data, 0)
+    assert np.array_equal(lagged[640:], expected.owners[640:])
+    assert not np.array_equal(lagged[640:], at_once[640:])
+    assert np.array_equal(cameras.shown(world.data, 0, 0.2).right, cameras_of(later, Lens()).shown(later.data, 0).right)
+    for right, y in ((False, -0.9), (True, -0.7)):
+        standing = cameras.standing(world.data, 0, right, 0.2)
+        np.testing.assert_allclose(standing.robots_w, [(0.0, 0.0), (1.2, y)], atol=1e-6)
+        np.testing.assert_allclose(standing.lens_w, lens_place(int(right)), atol=1e-6)
+
+
 def test_each_cone_can_have_a_colour_of_its_own() -> None:
     world = world_of([(0.0, 0.0, 0.0), (0.8, 0.5, 1.0)])
     colours = [(1.0, 0.0, 0.0), (0.0, 0.0, 1.0)]

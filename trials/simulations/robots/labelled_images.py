@@ -14,16 +14,16 @@ from flocking.errors import InputError
 from flocking.types import Floats
 from robots import body as bodies
 from robots.eyes import CONE_RADIUS
-from sensing.camera import palette, setting
+from sensing.camera import imperfections, palette, setting
 from sensing.camera.labels import Labelled, coco
 from sensing.camera.rendering import Cameras
-from trials.simulations.robots import seen
 from trials.simulations.robots.checks import check
-from trials.simulations.robots.fields import of_group, of_trial
+from trials.simulations.robots.fields import of_trial
 from trials.simulations.robots.herd import assemble
 from trials.simulations.robots.log import Log
 from trials.simulations.robots.loop import run
 from trials.simulations.robots.resolved import Resolved
+from trials.streams import Purpose, stream
 from trials.types import Trial
 from worlds.assemble import prefix
 
@@ -34,8 +34,10 @@ SIDES = ("left", "right")
 def write_images(trial: Trial, folder: Path, every_s: float) -> int:
     """Runs a trial and writes what all robots with cameras see at its start and every so many seconds into a folder.
 
-    The images of both cameras as PNG, and `labels.json` in COCO's format (`sensing.camera.labels`). Returns the number
-    of images. Raises `InputError` for a trial whose robots have no cameras, and where nothing renders.
+    The images of both cameras as PNG, with what is imperfect about the cameras, and `labels.json` in COCO's format
+    (`sensing.camera.labels`). A pair that the cameras lose, or do not take by their own frame rate, is not written.
+    Returns the number of images. Raises `InputError` for a trial whose robots have no cameras, and where nothing
+    renders.
     """
     check(trial)
     groups = [Resolved(group) for group in trial.groups for _ in range(group.count)]
@@ -52,13 +54,19 @@ def write_images(trial: Trial, folder: Path, every_s: float) -> int:
     if any(its.cameras.colours == setting.ONE_EACH for its in groups):
         colours = [palette.rgb(k) for k in range(len(groups))]
     cameras = Cameras(world.seen(), [prefix(name) for name in world.names], lenses, colours=colours)
-    cones = np.array([seen.cone_of(of_group(group).body) for group in trial.groups for _ in range(group.count)])
+    numbers = [(g, k) for g, group in enumerate(trial.groups) for k in range(group.count)]
+    eyes = [
+        _Eyes(cameras, index, its.imperfections, stream(trial.seed, trial.repeat, g + 1, k, Purpose.IMAGES))
+        for index, (its, (g, k)) in enumerate(zip(groups, numbers, strict=True))
+        if lenses[index] is not None
+    ]
     taken: list[Labelled] = []
     every = max(1, round(every_s / herd.timestep))
 
     def take(data: mujoco.MjData) -> None:
         if world.tick % every == 0:
-            taken.extend(_pictures(cameras, data, world.fleet.poses(data), cones, folder, len(taken)))
+            for each in eyes:
+                taken.extend(each.pictures(data, folder, len(taken)))
 
     take(world.data)
     world.observers.append(take)
@@ -71,29 +79,42 @@ def write_images(trial: Trial, folder: Path, every_s: float) -> int:
     return len(taken)
 
 
-def _pictures(
-    cameras: Cameras, data: mujoco.MjData, poses_w: Floats, cones: Floats, folder: Path, begun: int
-) -> list[Labelled]:
-    """The pictures of all robots with cameras at one moment, written to files."""
-    made: list[Labelled] = []
-    c, s = np.cos(poses_w[:, 2]), np.sin(poses_w[:, 2])
-    has_cone = np.isfinite(cones[:, 0])  # of a robot without one, bearing and distance are those of its centre
-    cones, radii = np.where(has_cone[:, None], cones, 0.0), np.where(has_cone, CONE_RADIUS, 0.0)
-    places = poses_w[:, :2] + np.stack([c * cones[:, 0] - s * cones[:, 1], s * cones[:, 0] + c * cones[:, 1]], axis=1)
-    for k, lens in enumerate(cameras.lenses):
-        if lens is None:
-            continue
-        images, shown = cameras.look(data, k, data.time), cameras.shown(data, k)
-        bearings = wrapped(np.arctan2(*(places - poses_w[k, :2]).T[::-1]) - poses_w[k, 2])
+class _Eyes:
+    """The cameras of one robot, with what is imperfect about them."""
+
+    def __init__(
+        self, cameras: Cameras, robot: int, given: imperfections.Parameters, generator: np.random.Generator
+    ) -> None:
+        self._cameras, self._robot, self._given, self._generator = cameras, robot, given, generator
+        self._memory = imperfections.begun(given, generator, *cameras.size(robot))
+
+    def pictures(self, data: mujoco.MjData, folder: Path, begun: int) -> list[Labelled]:
+        """The pictures of both cameras at one moment, written to files that are numbered on from `begun`; none where no
+        pair is due or the pair is lost."""
+        cameras, k, given = self._cameras, self._robot, self._given
+        time, lag_s, pair = float(data.time), given.capture_offset_s, None
+        if imperfections.due(given, self._memory, time):
+            pair = cameras.look(data, k, time, lag_s)
+        images, self._memory = imperfections.seen(pair, given, self._memory, self._generator)
+        if pair is None or images is None or images.time != pair.time:
+            return []
+        shown, made = cameras.shown(data, k, lag_s), list[Labelled]()
         for side, picture, owners, robots in (
             (SIDES[0], images.left, shown.left, shown.left_robots),
             (SIDES[1], images.right, shown.right, shown.right_robots),
         ):
-            at = cameras.place(data, k, side == SIDES[1])
-            distances = np.hypot(*(places - at).T) - radii
             name = f"{begun + len(made) + 1:06d}.png"
             if not cv2.imwrite(str(folder / name), picture[:, :, ::-1]):
                 raise InputError(f"{folder / name}: the image cannot be written")
+            at = cameras.standing(data, k, side == SIDES[1], lag_s)
             own = np.where(robots == k, -1, robots)  # its own housings are nobody that it could meet
-            made.append(Labelled(name, k, side, float(data.time), owners, own, bearings, distances))
-    return made
+            cones_at, robots_at = _from(at.lens_w, at.cones_w, CONE_RADIUS), _from(at.lens_w, at.robots_w, 0.0)
+            when = time + (lag_s if side == SIDES[1] else 0.0)
+            made.append(Labelled(name, k, side, when, owners, own, cones_at, robots_at))
+        return made
+
+
+def _from(lens_w: Floats, places_w: Floats, radius: float) -> Floats:
+    """(N, 2) bearing off a lens's axis, rad, and distance to the near side, m, of what stands at these places."""
+    x, y = (places_w - lens_w[:2]).T
+    return np.stack([wrapped(np.arctan2(y, x) - lens_w[2]), np.hypot(x, y) - radius], axis=1)

@@ -93,7 +93,7 @@ class Robot:
     """Time of its last update, s."""
     _camera_memory: camera_imperfections.Memory | None = None
     _shown: ScanTruth | None = None
-    """What its last images showed."""
+    """What the images that it saw last show."""
     _draws: Floats = field(default_factory=lambda: np.empty((0, 0)))
     _drawn: int = 0
     _motion_row: Floats = field(default_factory=lambda: np.zeros(4))
@@ -149,10 +149,10 @@ class Robot:
             self._camera_memory = camera_imperfections.begun(given, self.image_rng, height_px, width_px)
         if camera_imperfections.due(given, self._camera_memory, time):
             image = self.cameras.look(data, self.index, time, given.capture_offset_s)
-            if self.judged:
-                self._shown = self.cameras.truth(data, self.index)
         images, self._camera_memory = camera_imperfections.seen(image, given, self._camera_memory, self.image_rng)
         if images is not None:
+            if self.judged and image is not None and images.time == image.time:  # and that pair was not lost
+                self._shown = self.cameras.truth(data, self.index, given.capture_offset_s)
             self._scanned = images.time
         return Senses(None, truth, images=images), self._shown
 
