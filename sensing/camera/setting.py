@@ -27,9 +27,7 @@ class Parameters(NamedTuple):
     ] = 125.0
     colours: Annotated[
         str,
-        Parameter(
-            "", "of the robots' cones: all orange, or one each (section 5.1)", choices=COLOURS, plausible=COLOURS
-        ),
+        Parameter("", "of the robots' cones: all orange, or one each (section 5.1)", choices=COLOURS),
     ] = ORANGE
     setting: Annotated[
         str, Parameter("", "a choice: what is imperfect about them", choices=tuple(imperfections.SETTINGS))

@@ -7,7 +7,7 @@ groups have one; nothing moves. Distances are the thesis's |d|: from the lens to
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 from flocking import found
 from flocking.errors import InputError, unknown_name
@@ -21,6 +21,13 @@ NAME = "cones"
 PIPELINES = "sensing.pipelines"
 CAMERAS, IMPERFECTIONS = "cameras.", "imperfections."
 EYES = "eyes"
+IDLE = {
+    f"{CAMERAS}colours": "its one cone is orange",
+    f"{CAMERAS}judged": "its looks are always held against what stands there",
+    f"{IMPERFECTIONS}capture_offset_s": "nothing moves between both images of a look",
+    f"{IMPERFECTIONS}frame_rate_hz": "each look is a pair of its own",
+}
+"""Keys of cameras that do nothing here, and why."""
 _TESTS = "Kirchner 2006, appendix A"
 
 
@@ -97,6 +104,11 @@ def of_trial(trial: Trial) -> TrialFields:
         if name != only:
             raise unknown_name(kind, name, [only])
     filled_in: TrialFields = filled(TrialFields, below(trial.setup, ""))
+    if filled_in.speed_m_s > 0.0 and filled_in.exposure_s == 0.0:
+        raise InputError(
+            f"speed_m_s = {filled_in.speed_m_s:g} with exposure_s = 0: a cone that moves is as one that stands; "
+            "expected an exposure above 0 s, or speed_m_s = 0"
+        )
     return filled_in
 
 
@@ -112,6 +124,17 @@ def of_group(group: Group) -> GroupFields:
     given: dict[str, Value] = {"pipeline": group.pipeline, **below(group.setup, "")}
     filled_in: GroupFields = filled(GroupFields, given, prefix=f"{group.name}.")
     return filled_in
+
+
+def check_idle(group: Group) -> None:
+    """Refuses a group that sets what does nothing here: `InputError`."""
+    for key in sorted(IDLE.keys() & group.setup.keys()):
+        raise InputError(f"{group.name}.{key}: it does nothing in a cone test, for {IDLE[key]}; expected it unset")
+
+
+def without_idle(prefix: str, values: Mapping[str, Any]) -> dict[str, Any]:
+    """Of the values of the parameters with this prefix, by name, those that do something."""
+    return {name: value for name, value in values.items() if f"{prefix}{name}" not in IDLE}
 
 
 def cameras_of(group: Group) -> setting.Parameters:

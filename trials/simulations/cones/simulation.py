@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 from flocking import found, lawentry
 from flocking.errors import InputError
@@ -28,9 +29,17 @@ def keys_of(trial: Trial, group: Group | None = None) -> list[Section]:
         section("", fields.GroupFields, own._asdict),
         Section("law.", _law(group), lambda: _of_law(group)),
         Section("pipeline.", declared(pipeline), lambda: _pipeline(group)),
-        section(fields.CAMERAS, setting.Parameters, lambda: fields.cameras_of(group)._asdict()),
-        section(fields.IMPERFECTIONS, imperfections.Parameters, lambda: fields.imperfections_of(group)._asdict()),
+        section(fields.CAMERAS, setting.Parameters, lambda: _acting(fields.CAMERAS, fields.cameras_of(group))),
+        section(
+            fields.IMPERFECTIONS,
+            imperfections.Parameters,
+            lambda: _acting(fields.IMPERFECTIONS, fields.imperfections_of(group)),
+        ),
     ]
+
+
+def _acting(prefix: str, parameters: Any) -> dict[str, Any]:
+    return fields.without_idle(prefix, parameters._asdict())
 
 
 def _law(group: Group) -> Mapping[str, Declared]:
@@ -55,6 +64,7 @@ def check(trial: Trial) -> None:
     _pipeline(group)
     fields.cameras_of(group)
     fields.imperfections_of(group)
+    fields.check_idle(group)
 
 
 def run_trial(trial: Trial, scans: str, reraise: bool, folder: Path | None) -> TrialResult:

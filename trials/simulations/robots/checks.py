@@ -14,6 +14,7 @@ from flocking.errors import InputError
 from flocking.parameters import filled
 from flocking.types import Floats
 from robots import body as bodies
+from sensing.camera import looking, palette, setting
 from sensing.laser import hokuyo
 from trials.simulations import judged, spread
 from trials.simulations.robots import guided, information, wire
@@ -53,6 +54,7 @@ def check(trial: Trial) -> None:
                 f"the top speed of body {its.body.name!r}"
             )
         _check_sensors(its, groups)
+        _check_colours(its, sum(each.given.count for each in groups))
         _check_link(its)
         information.check(its)
         spread.check(trial, number, its.law_parameters._asdict())
@@ -160,6 +162,31 @@ def _check_sensors(its: Resolved, groups: Sequence[Resolved]) -> None:
                 f"the lasers of {its.group.name} and {other.group.name} scan {abs(apart):g} m apart: expected bodies "
                 "whose lasers are equally high"
             )
+
+
+def _check_colours(its: Resolved, robots: int) -> None:
+    """Cones of one colour a robot are for detections that tell them apart, and no more of them than there are."""
+    name = its.group.name
+    one_each = its.cameras.colours == setting.ONE_EACH
+    if one_each and robots > palette.MOST_ROBOTS:
+        raise InputError(
+            f"{name}.cameras.colours = {setting.ONE_EACH!r} with {robots} robots: expected at most "
+            f"{palette.MOST_ROBOTS} robots, or {setting.ORANGE!r}"
+        )
+    if not its.reads_images:
+        return
+    ranges, colours = its.pipeline_parameters.ranges, its.pipeline_parameters.colours
+    if one_each and colours == 1:
+        raise InputError(
+            f"{name}.pipeline.colours = 1 with {name}.cameras.colours = {setting.ONE_EACH!r}: only orange cones would "
+            f"be found; expected --set {name}.pipeline.colours={max(robots, 2)}, or cameras.colours = "
+            f"{setting.ORANGE!r}"
+        )
+    if colours > 1 and ranges != looking.RANGES[0]:
+        raise InputError(
+            f"{name}.pipeline.ranges = {ranges!r} with {name}.pipeline.colours = {colours}: the published ranges are "
+            f"of orange alone; expected {looking.RANGES[0]!r}, or pipeline.colours = 1"
+        )
 
 
 def _check_reach(

@@ -3,7 +3,7 @@
 Kirchner 2006, sections 3.6.4.1 to 3.6.4.3, calls HSV much better under varying light, without a number. Each is
 calibrated on the rendered cone at nominal light, as the thesis did on its own; its published ranges are rows of their
 own, and so is a detection by blobs, which one would take today. Six posts of other colours stand about, and images have
-the noise, blur and offset of a fair camera.
+the noise and blur of a fair camera.
 """
 
 from __future__ import annotations

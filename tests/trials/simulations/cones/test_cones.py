@@ -11,8 +11,8 @@ from flocking.errors import InputError
 from sensing.camera import opengl
 from sensing.camera.cones import RADIUS_M
 from sensing.camera.lens import PIXELS_PER_DEGREE
-from trials import simulations
-from trials.simulations.cones.fields import trial
+from trials import keys, simulations
+from trials.simulations.cones.fields import IDLE, trial
 from trials.simulations.cones.scene import axis_of
 from trials.types import Trial, Value, with_setup
 
@@ -114,6 +114,11 @@ def test_the_axis_stands_a_radius_behind_the_near_side() -> None:
         (looked("member-based"), "unknown pipeline 'member-based'; did you mean cone-member-based"),
         (looked(body="create"), "body"),
         (looked(**{"cameras.projection": "fisheye"}), "projection"),
+        (looked(**{"cameras.colours": "orange"}), r"eyes\.cameras\.colours: it does nothing in a cone test"),
+        (looked(**{"cameras.judged": False}), r"eyes\.cameras\.judged: it does nothing"),
+        (looked(**{"imperfections.capture_offset_s": 0.01}), r"eyes\.imperfections\.capture_offset_s: it does nothing"),
+        (looked(**{"imperfections.frame_rate_hz": 5.0}), r"eyes\.imperfections\.frame_rate_hz: it does nothing"),
+        (looked(speed_m_s=1.0, exposure_s=0.0), "expected an exposure above 0 s"),
     ],
 )
 def test_what_does_not_fit_is_refused_in_one_line(made: Trial, told: str) -> None:
@@ -123,6 +128,12 @@ def test_what_does_not_fit_is_refused_in_one_line(made: Trial, told: str) -> Non
     with pytest.raises(InputError, match=told) as refused:
         simulations.check(made)
     assert "\n" not in str(refused.value)
+
+
+def test_what_does_nothing_is_not_shown() -> None:
+    shown = {row.key for row in keys.rows(looked(**{"cameras.setting": "harsh"}))}
+    assert {"eyes.cameras.setting", "eyes.imperfections.noise_levels", "exposure_s"} <= shown
+    assert not {f"eyes.{key}" for key in IDLE} & shown
 
 
 def test_a_pixel_is_the_step_that_is_published() -> None:

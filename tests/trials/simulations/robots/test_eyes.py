@@ -163,6 +163,25 @@ def test_a_body_without_cameras_is_refused_with_those_that_have_some() -> None:
     assert "\n" not in str(refused.value)
 
 
+@pytest.mark.parametrize(
+    ("count", "colours", "given", "told"),
+    [
+        (2, "one-each", {}, "herd.pipeline.colours = 1 with herd.cameras.colours = 'one-each'"),
+        (13, "one-each", {"colours": 12}, "herd.cameras.colours = 'one-each' with 13 robots: expected at most 12"),
+        (2, "orange", {"colours": 2, "ranges": "published"}, "herd.pipeline.ranges = 'published' with"),
+    ],
+)
+def test_colours_that_nobody_can_tell_are_refused(count: int, colours: str, given: dict[str, Value], told: str) -> None:
+    made = pair(**{"cameras.colours": colours})
+    herd = dataclasses.replace(made.groups[0], count=count, pipeline_parameters=given)
+    with pytest.raises(InputError) as refused:
+        simulations.check(dataclasses.replace(made, groups=(herd,)))
+    assert told in str(refused.value)
+    assert "\n" not in str(refused.value)
+    fits = dataclasses.replace(made.groups[0], pipeline_parameters={"colours": 2})
+    simulations.check(dataclasses.replace(made, groups=(fits,)))
+
+
 def test_a_body_with_cameras_has_no_laser_to_read() -> None:
     with pytest.raises(InputError, match="carries no laser"):
         simulations.check(pair("member-based"))
