@@ -5,15 +5,17 @@ otherwise (`HerdMind`). Metres, seconds, radians; world frame.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from flocking import selection
-from flocking.errors import InputError
+from flocking.errors import InputError, StorageError
 from flocking.herding import loop
 from flocking.herding.loop import Herd, Mood, Touching
+from flocking.herding.pointer import address_of
 from flocking.herding.sight import look
 from flocking.kinematic.herd import LawFailedError
 from flocking.lawentry import Law
@@ -42,9 +44,11 @@ def steps_of(law: str, text: str, sets: Mapping[str, str], names: Sequence[str])
 class HerdMind:
     """The minds of N members under one law: whom each sees, and what it decides.
 
-    `herd` holds all arrays; whoever moves the members writes their `positions`, and their `told` velocities if these
-    are not the desired ones.
+    `herd` holds all arrays; whoever moves the members writes their `positions` and their `actual` velocities.
     """
+
+    HAVE_DYNAMICS = True
+    """Whether actual velocities are others than the desired ones."""
 
     def __init__(
         self,
@@ -55,13 +59,14 @@ class HerdMind:
         *,
         text: str = "all",
         roles: Ints | None = None,
-        actual: bool = False,
+        tells: bool = True,
         discs: Floats | None = None,
         sight_m: float = math.inf,
     ) -> None:
         """`positions` and `velocities` (N, 2) at the start, which are the desired velocities too; `parameters`: the
-        law's, one mapping a member; `text`: a selection that limits the law's; `actual`: members are told of one
-        another's actual velocities, else of the desired ones; `discs` (K, 3) x, y and radius of obstacles.
+        law's, one mapping a member; `text`: a selection that limits the law's; `tells`: members are told of one
+        another's desired velocities, else of the actual ones (`Herd.tells`); `discs` (K, 3) x, y and radius of
+        obstacles.
 
         Raises `InputError` for what does not fit.
         """
@@ -72,6 +77,7 @@ class HerdMind:
         if np.shape(velocities) != (count, 2) or len(parameters) != count:
             raise InputError(f"{np.shape(velocities)} velocities and {len(parameters)} sets of parameters for {count}")
         self.law, names = law, law.parameter_names
+        self.entry = address_of(law.entry)
         steps = steps_of(law.name, text, law.sets, names)
         rows = [law.parameters(given) for given in parameters]
         resolved = [selection.resolved(steps, row._asdict()) for row in rows]
@@ -91,7 +97,7 @@ class HerdMind:
         self.turn = np.zeros(2, np.int64)
         self.herd = Herd(
             positions,
-            desired.copy() if actual else desired,
+            desired.copy() if self.HAVE_DYNAMICS else desired,
             desired,
             np.arctan2(desired[:, 1], desired[:, 0]),
             np.full((count, 3), np.nan),
@@ -104,6 +110,7 @@ class HerdMind:
             np.empty((0, 3)) if discs is None else np.array(discs, dtype=np.float64).reshape(-1, 3),
             float(sight_m),
             "bearings" in law.needs,
+            tells and self.HAVE_DYNAMICS,
         )
 
     def look(self, place_errors: Floats | None = None, velocity_errors: Floats | None = None) -> None:
@@ -131,27 +138,41 @@ class HerdMind:
         self.herd.mood.parameters[member, at] = speed
         self.herd.mood.ways[member] = np.array(velocity) / speed if speed > 0.0 else math.nan
 
-    def decide(self, who: Bools, draws: Floats, dt: float) -> None:
-        """Members `who` (N,) decide by those whom they saw last; `draws` (N, DRAWS). Raises `LawFailedError`."""
-        self._check(loop.decide(self.law.entry, self.herd, who, draws, dt, self.turn), 0)
+    def decide(self, who: Bools, draws: Floats, dt: float, step: int = 0) -> None:
+        """Members `who` (N,) decide by those whom they saw last; `draws` (N, DRAWS). `step`: for messages, from 0.
+
+        Raises `LawFailedError`.
+        """
+        self._run(partial(loop.decide, self.entry, self.herd, who, draws, dt, self.turn), step)
 
     def touches(self, touching: Touching, time: float) -> None:
         """Notes who has come within the distance of whom, of those who are there."""
         loop.touches(self.herd, self.there, touching, time)
 
-    def _check(self, failed: int, step: int) -> None:
+    def _run(self, work: Callable[[], int], step: int) -> None:
+        """A piece of work of compiled code. Raises `LawFailedError` if the law fails in it."""
+        raised, self.turn[:] = "", 0
+        try:
+            failed = work()
+        except StorageError:
+            raise
+        except Exception as error:  # whatever a law of the user's may raise
+            failed, raised = 1, " ".join(f"{type(error).__name__}: {error}".split())
         if failed:
             at, member = self.turn.tolist()
             kind, x, y, _ = self.herd.motions[member]
+            what = f"raised {raised}" if raised else f"returned kind {kind:g}, x {x:g}, y {y:g}"
+            expected = "" if raised else "; expected a kind of 0 to 5 and finite numbers"
             raise LawFailedError(
-                f"law {self.law.name!r} returned kind {kind:g}, x {x:g}, y {y:g} for member {member + 1} at step "
-                f"{step + at + 1}; expected a kind of 0 to 5 and finite numbers"
+                f"law {self.law.name!r} {what} for member {member + 1} at step {step + at + 1}{expected}"
             )
 
 
 class MovingHerd(HerdMind):
     """Point masses: they move with the velocity that they decided on, from the next step on, without any limit."""
 
+    HAVE_DYNAMICS = False
+
     def advance(self, draws: Floats, step: int, dt: float, touching: Touching) -> None:
         """Steps after the one of that number, from 0; `draws` (steps, N, DRAWS). Raises `LawFailedError`."""
-        self._check(loop.advance(self.law.entry, self.herd, draws, step * dt, dt, touching, self.turn), step)
+        self._run(partial(loop.advance, self.entry, self.herd, draws, step * dt, dt, touching, self.turn), step)

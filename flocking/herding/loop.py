@@ -8,12 +8,13 @@ from typing import NamedTuple
 
 import numba
 import numpy as np
-from numba.core import sigutils, types
+from numba.core import types
 
 from flocking.compilation import allocating, borrowing, compiled_for
+from flocking.herding.pointer import at_address
 from flocking.kinematic.motion import wanted
 from flocking.kinematic.views import first, folded
-from flocking.lawentry import ENTRY_SIGNATURE, OWN_SIZE
+from flocking.lawentry import OWN_SIZE
 from flocking.types import Bools, Floats, Ints
 
 
@@ -35,10 +36,10 @@ class Herd(NamedTuple):
 
     positions: Floats
     """(N, 2)."""
-    told: Floats
-    """(N, 2) velocity of each as all are told of it, itself too: desired or actual."""
+    actual: Floats
+    """(N, 2) velocity of each as all see it, itself too."""
     desired: Floats
-    """(N, 2) velocity that it decided on last. May be the same array as `told`."""
+    """(N, 2) velocity that it decided on last; of point masses the same array."""
     headings: Floats
     """(N,) direction of that velocity: its body frame; kept while it stands."""
     axes: Floats
@@ -60,6 +61,9 @@ class Herd(NamedTuple):
     """Range of that."""
     bearings: bool
     """Whether the law reads bearings, which are else of no use."""
+    tells: bool
+    """Whether a member is told of its neighbours' desired velocities: `actual` ones are then shifted, its own too, so
+    that their mean over those it sees is that of the desired ones. What one is relative to another stays as it is."""
 
 
 class Touching(NamedTuple):
@@ -99,6 +103,7 @@ def example_herd() -> Herd:
         np.empty((0, 3)),
         0.0,
         False,
+        False,
     )
 
 
@@ -115,15 +120,30 @@ def no_touching(count: int, distance_m: float, room: int = 0) -> Touching:
     )
 
 
-_LAW = types.FunctionType(sigutils._parse_signature_string(ENTRY_SIGNATURE))
 _HERD, _TOUCHING = numba.typeof(example_herd()), numba.typeof(no_touching(0, 0.0))
 _F, _I, _B = types.float64, types.int64, types.boolean
 
 
 @borrowing
-def know_oneself(i: int, herd: Herd, c: float, s: float, dt: float, own: Floats) -> None:
+def shift_of(i: int, herd: Herd) -> tuple[float, float]:
+    """By how much the mean desired velocity of those whom member i sees differs from their mean actual one."""
+    found, x, y = herd.counts[i], 0.0, 0.0
+    if not herd.tells or found == 0:
+        return 0.0, 0.0
+    for k in range(found):
+        j = herd.seen[i, k]
+        x += herd.desired[j, 0] - herd.actual[j, 0]
+        y += herd.desired[j, 1] - herd.actual[j, 1]
+    return x / found, y / found
+
+
+@borrowing
+def know_oneself(
+    i: int, herd: Herd, c: float, s: float, shift: tuple[float, float], dt: float, own: Floats
+) -> None:
     """Writes what member i knows of itself, as `flocking.lawentry.packed_own` packs it."""
-    vx, vy, gx, gy = herd.told[i, 0], herd.told[i, 1], herd.mood.ways[i, 0], herd.mood.ways[i, 1]
+    vx, vy, gx, gy = herd.actual[i, 0], herd.actual[i, 1], herd.mood.ways[i, 0], herd.mood.ways[i, 1]
+    vx, vy = vx + shift[0], vy + shift[1]
     own[0], own[1], own[2], own[3] = c * vx + s * vy, c * vy - s * vx, 0.0, herd.headings[i]
     own[4], own[5] = c * gx + s * gy, c * gy - s * gx
     own[6] = own[7] = 0.0
@@ -155,7 +175,7 @@ def decide_all(law: Callable[..., None], herd: Herd, who: Bools, draws: Floats, 
     own, near, bearings = np.empty(OWN_SIZE), np.empty((count, 2)), np.empty(count)
     headings, velocities, ids = np.empty(count), np.empty((count, 2)), np.empty(count, np.int64)
     sets, points = np.ones(count, np.bool_), np.empty((len(herd.discs), 2))
-    # told velocities are in the world's axes while all decide: desired ones may be the same array
+    # velocities change once all have decided: actual and desired ones may be the same array
     for i in range(count):
         if not who[i]:
             continue
@@ -164,11 +184,13 @@ def decide_all(law: Callable[..., None], herd: Herd, who: Bools, draws: Floats, 
         if herd.axes[i, 0] != heading:
             herd.axes[i, 0], herd.axes[i, 1], herd.axes[i, 2] = heading, math.cos(heading), math.sin(heading)
         c, s = herd.axes[i, 1], herd.axes[i, 2]
-        know_oneself(i, herd, c, s, dt, own)
+        shift = shift_of(i, herd)
+        know_oneself(i, herd, c, s, shift, dt, own)
         x, y, found = herd.positions[i, 0], herd.positions[i, 1], herd.counts[i]
         for k in range(found):
             j = herd.seen[i, k]
-            dx, dy, vx, vy = herd.positions[j, 0] - x, herd.positions[j, 1] - y, herd.told[j, 0], herd.told[j, 1]
+            dx, dy = herd.positions[j, 0] - x, herd.positions[j, 1] - y
+            vx, vy = herd.actual[j, 0] + shift[0], herd.actual[j, 1] + shift[1]
             if len(herd.place_errors) > 0:
                 dx, dy = dx + herd.place_errors[i, j, 0], dy + herd.place_errors[i, j, 1]
             if len(herd.velocity_errors) > 0:
@@ -238,10 +260,10 @@ def note_touches(herd: Herd, there: Bools, touching: Touching, time: float) -> N
     touching.closest[0] = math.sqrt(closest)
 
 
-@compiled_for(_I(_LAW, _HERD, _B[::1], _F[:, ::1], _F, _I[::1]))
-def decide(law: Callable[..., None], herd: Herd, who: Bools, draws: Floats, dt: float, turn: Ints) -> int:
-    """See `decide_all`."""
-    return decide_all(law, herd, who, draws, dt, turn)
+@compiled_for(_I(_I, _HERD, _B[::1], _F[:, ::1], _F, _I[::1]))
+def decide(law: int, herd: Herd, who: Bools, draws: Floats, dt: float, turn: Ints) -> int:
+    """See `decide_all`; `law` is the address of the law's entry."""
+    return decide_all(at_address(law), herd, who, draws, dt, turn)
 
 
 @compiled_for(types.void(_HERD, _B[::1], _TOUCHING, _F))
@@ -250,18 +272,18 @@ def touches(herd: Herd, there: Bools, touching: Touching, time: float) -> None:
     note_touches(herd, there, touching, time)
 
 
-@compiled_for(_I(_LAW, _HERD, _F[:, :, ::1], _F, _F, _TOUCHING, _I[::1]))
-def advance(
-    law: Callable[..., None], herd: Herd, draws: Floats, time: float, dt: float, touching: Touching, turn: Ints
-) -> int:
+@compiled_for(_I(_I, _HERD, _F[:, :, ::1], _F, _F, _TOUCHING, _I[::1]))
+def advance(law: int, herd: Herd, draws: Floats, time: float, dt: float, touching: Touching, turn: Ints) -> int:
     """Steps of point masses from `time` on: all decide on the same state and then move by what they decided.
+
+    `law` is the address of the law's entry.
 
     `draws` (steps, N, DRAWS). Returns 0, or 1 if the law gave no valid motion; `turn` (2,): step and member at work.
     """
     everybody = np.ones(len(herd.positions), np.bool_)
     for step in range(len(draws)):
         turn[0] = step
-        if decide_all(law, herd, everybody, draws[step], dt, turn) != 0:
+        if decide_all(at_address(law), herd, everybody, draws[step], dt, turn) != 0:
             return 1
         for i in range(len(herd.positions)):
             herd.positions[i, 0] += herd.desired[i, 0] * dt

@@ -6,9 +6,34 @@ import math
 
 import numpy as np
 
-from flocking.compilation import allocating, compiled
+from flocking.compilation import allocating, borrowing, compiled
 from flocking.perception import ARGUMENTS, Step, keep, keep_nearest
 from flocking.types import Bools, Floats, Ints
+
+
+@borrowing
+def smallest(values: Floats, count: int, k: int) -> float:
+    """The k-th smallest, from 1, of the first `count` values, whose order it changes (Hoare's selection)."""
+    low, high, at = 0, count - 1, k - 1
+    while low < high:
+        a, b, c = values[low], values[(low + high) // 2], values[high]
+        pivot = max(min(a, b), min(max(a, b), c))
+        i, j = low, high
+        while i <= j:
+            while values[i] < pivot:
+                i += 1
+            while values[j] > pivot:
+                j -= 1
+            if i <= j:
+                values[i], values[j] = values[j], values[i]
+                i, j = i + 1, j - 1
+        if at <= j:
+            high = j
+        elif at >= i:
+            low = i
+        else:
+            break
+    return float(values[at])
 
 
 @allocating
@@ -17,19 +42,18 @@ def keep_k_nearest(positions: Floats, k: int, mask: Bools) -> None:
 
     That looks k times at all members; this sorts their distances in part, and leaves ties to it.
     """
-    squared = np.full(len(mask), math.inf)
-    count = 0
+    squared, sorted_, count = np.full(len(mask), math.inf), np.empty(len(mask)), 0
     for j in range(len(mask)):
         if mask[j]:
             squared[j] = positions[j, 0] * positions[j, 0] + positions[j, 1] * positions[j, 1]
+            sorted_[count] = squared[j]
             count += 1
     if count <= k:
         return
     if k <= 0:
         mask[:] = False
         return
-    bound = np.partition(squared, k - 1)[k - 1]
-    within = 0
+    bound, within = smallest(sorted_, count, k), 0
     for j in range(len(mask)):
         within += squared[j] <= bound
     if within > k:
