@@ -79,7 +79,8 @@ def trimmed(energy: float, gain: float, flight_s: float, wanted_s: float) -> flo
 
 @compiled
 def foot_place(
-    vx: float, vy: float, wanted_x: float, wanted_y: float, stance_s: float, gain: float, most_error: float, reach: float
+    vx: float, vy: float, wanted_x: float, wanted_y: float, stance_s: float, gain: float, most_error: float,
+    reach: float,
 ) -> tuple[float, float]:  # fmt: skip
     """Forward speed: where the foot is to be at touchdown, from below the hip, m; in the axes of the velocities.
 

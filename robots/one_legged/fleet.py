@@ -107,11 +107,10 @@ class Fleet:
     ) -> None:
         count = len(prefixes)
         each, bodies = np.zeros(count, _EACH), np.zeros(count, np.int64)
-        feet = np.full(model.ngeom, touching.UNOWNED, dtype=np.int64)
         hulls = np.full(model.ngeom, touching.UNOWNED, dtype=np.int64)
         if model.opt.timestep > one_legged.TIMESTEP + 1e-12:
             raise InputError(
-                f"timestep_s = {model.opt.timestep:g}: expected at most {one_legged.TIMESTEP:g} s with one-legged robots"
+                f"time step {model.opt.timestep:g} s: expected at most {one_legged.TIMESTEP:g} s with one-legged robots"
             )
         for k, prefix in enumerate(prefixes):
             try:
@@ -122,7 +121,6 @@ class Fleet:
                     each[k]["joints"][place] = model.joint(f"{prefix}{name}").qposadr[0]
                     each[k]["rates"][place] = model.joint(f"{prefix}{name}").dofadr[0]
                     each[k]["motors"][place] = model.actuator(f"{prefix}{name}").id
-                feet[model.geom(f"{prefix}foot").id] = k
                 hulls[model.geom(f"{prefix}hull").id] = k
             except KeyError as error:
                 raise InputError(f"no one-legged robot with prefix {prefix!r} in the model: {error.args[0]}") from None
@@ -135,7 +133,9 @@ class Fleet:
         """(N,) body ids of the bodies with the hip."""
         self._each: Any = each
         self._all: Any = np.array([(*(gains or Gains()), model.opt.timestep, most_torque)], dtype=_ALL)
-        self._feet, self._hulls = feet, hulls
+        self._hulls = hulls
+        self._meets = bool((model.geom_contype & HULL_MASK).any())  # whether there is what a hull could meet
+        self._data: mujoco.MjData | None = None
         self._linear = each["speed"].reshape(-1, 1) + np.arange(2)
 
     # told ------------------------------------------------------------------------------------------
@@ -158,11 +158,15 @@ class Fleet:
     # around each step ------------------------------------------------------------------------------
     def before_step(self, data: mujoco.MjData) -> None:
         """Bring torques and forces up to date with the robots' state."""
-        _actuate(self._each, self._all, data.qpos, data.qvel, data.ctrl, data.time)
+        if data is not self._data:  # the same arrays each step: to ask for them anew costs as much as to use them
+            self._data = data
+            self._qpos, self._qvel, self._ctrl, self._pushed = data.qpos, data.qvel, data.ctrl, data.qfrc_constraint
+        _actuate(self._each, self._all, self._qpos, self._qvel, self._pushed, self._ctrl)
 
     def after_step(self, data: mujoco.MjData) -> bool:
-        """Feel which feet touch anything, and count the way. Whether any outline may be pressed."""
-        return bool(_felt(self._each, self._all, data.qpos, data.qvel, data.contact.geom, self._feet, self._hulls))
+        """Count the way by odometry. Whether any outline may be pressed."""
+        _counted(self._each, self._all, self._qpos)
+        return self._meets and bool(touching.any_hull(data.contact.geom, self._hulls))
 
     # seen ------------------------------------------------------------------------------------------
     def poses(self, data: mujoco.MjData) -> Floats:
@@ -259,14 +263,18 @@ def _desire_all(each: Any, velocities_w: Floats) -> None:
 
 
 @compiled
-def _actuate(each: Any, shared: Any, qpos: Floats, qvel: Floats, ctrl: Floats, time: float) -> None:
-    """One step of the control of all robots: phases, then the force along each leg and the torques at each hip."""
+def _actuate(each: Any, shared: Any, qpos: Floats, qvel: Floats, pushed: Floats, ctrl: Floats) -> None:
+    """One step of the control of all robots: phases, then the force along each leg and the torques at each hip.
+
+    pushed (nv,): forces of contacts on each degree of freedom. On a leg's slide there are such only while its foot
+    touches something.
+    """
     given = shared[0]
     step = given.timestep
     for k in range(len(each)):
         robot = each[k]
         at, moves, motors = robot.root, robot.speed, robot.motors
-        robot.steps += 1.0
+        robot.touches = 1 if pushed[robot.rates[3]] != 0.0 else 0
         turn = control.rotation(qpos[at + 3], qpos[at + 4], qpos[at + 5], qpos[at + 6])
         hip_x, hip_y, hip_z = qpos[robot.joints[0]], qpos[robot.joints[1]], qpos[robot.joints[2]]
         rate_x, rate_y, rate_z = qvel[robot.rates[0]], qvel[robot.rates[1]], qvel[robot.rates[2]]
@@ -275,7 +283,8 @@ def _actuate(each: Any, shared: Any, qpos: Floats, qvel: Floats, ctrl: Floats, t
         if robot.phase != FALLEN:
             cause = _fallen(qpos[at + 2], turn[8], vx + vy + rate + hip_x + hip_y + hip_z + longer)
             if cause > 0:
-                robot.phase, robot.cause, robot.fallen_at = FALLEN, cause, time
+                robot.phase, robot.cause, robot.fallen_at = FALLEN, cause, robot.steps * step
+        robot.steps += 1.0
         if robot.phase == FALLEN:
             ctrl[motors[0]], ctrl[motors[1]] = _finite(-LIMP_DAMPING * rate_x), _finite(-LIMP_DAMPING * rate_y)
             ctrl[motors[2]] = 0.0
@@ -365,18 +374,9 @@ def _turn_nose(robot: Any, step: float) -> None:
 
 
 @compiled
-def _felt(each: Any, shared: Any, qpos: Floats, qvel: Floats, pairs: Ints, feet: Ints, hulls: Ints) -> bool:
-    """Which feet touch, from the contacts (C, 2) that the step has found; the odometry. Whether any hull touches."""
+def _counted(each: Any, shared: Any, qpos: Floats) -> None:
+    """The odometry after a step."""
     step = shared[0].timestep
-    for k in range(len(each)):
-        each[k].touches = 0
-    hull = False
-    for c in range(len(pairs)):
-        for end in range(2):
-            k = feet[pairs[c, end]]
-            if k != touching.UNOWNED:
-                each[k].touches = 1
-            hull |= hulls[pairs[c, end]] != touching.UNOWNED
     for k in range(len(each)):
         robot = each[k]
         at = robot.root
@@ -394,7 +394,6 @@ def _felt(each: Any, shared: Any, qpos: Floats, qvel: Floats, pairs: Ints, feet:
         robot.foot[0], robot.foot[1] = x, y
         robot.way[0] += robot.pace[0] * step
         robot.way[1] += robot.pace[1] * step
-    return hull
 
 
 @compiled

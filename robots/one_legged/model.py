@@ -41,7 +41,7 @@ RADIUS = sqrt(2.0 * BODY_INERTIA[2] / BODY_MASS)  # m; D: of a uniform upright c
 HEIGHT = sqrt(12.0 * BODY_INERTIA[0] / BODY_MASS - 3.0 * RADIUS**2)  # m of the same cylinder; D
 HULL_DEPTH = 0.45  # m below the hip that its outline reaches, a capsule; ?: it meets walls half a metre high
 LYING_FRICTION = 0.5  # of the body on the floor when it has fallen; ?
-TIMESTEP = 0.005  # s, the greatest at which the robot is simulated; ?: half of it gives the same run (docs/one_legged.md)
+TIMESTEP = 0.005  # s, the greatest at which the robot is simulated; ?: at 0.01 s it falls (docs/one_legged.md)
 
 JOINTS = ("hip_x", "hip_y", "hip_z", "leg")
 """In the order of the chain, from the body to the foot: the order of the hip's axes is a choice."""
