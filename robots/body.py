@@ -10,6 +10,7 @@ from __future__ import annotations
 import hashlib
 import importlib
 import importlib.util
+import math
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -47,7 +48,11 @@ class Fleet(Protocol):
     """(N,) id of each robot's root body."""
 
     def command(self, k: int, speed: float, turn_rate: float) -> None:
-        """Tell robot k to drive at `speed` (m/s) and `turn_rate` (rad/s), as far as its machine can say that."""
+        """Tell robot k to drive at `speed` (m/s) and `turn_rate` (rad/s), as far as its machine can say that.
+
+        A body that goes in any direction takes the two for its velocity forward and to the left, m/s: what its `follow`
+        gives, or (speed, 0) for straight ahead.
+        """
 
     def before_step(self, data: mujoco.MjData) -> None:
         """Bring the actuators' controls up to date."""
@@ -103,12 +108,15 @@ class Body:
     fleet: Callable[[mujoco.MjModel, Sequence[str]], Fleet]
     """All robots of this kind in a model, in the order of the prefixes of their names."""
     follow: Callable[[int, float, float, float, float, float, float], tuple[float, float]]
-    """(kind, x, y, cruise, speed_now, turn_rate_now, dt) → speed (m/s) and turn rate (rad/s) to command: `kind`, `x`
-    and `y` of a `Motion`; `cruise`, speed towards a way-point; the command in force; `dt`, s to the next update."""
+    """(kind, x, y, cruise, speed_now, turn_rate_now, dt) → speed (m/s) and turn rate (rad/s) to command, or the two
+    numbers that its fleet's `command` takes in their place: `kind`, `x` and `y` of a `Motion`; `cruise`, speed towards
+    a way-point; the command in force; `dt`, s to the next update."""
     constants: tuple[str, ...]
     """Modules whose constants are this body's numbers, to be shown with their sources."""
     marked: bool = True
     """Whether others can tell it as a member; one that is not marked looks like a part of a wall."""
+    longest_timestep: float = math.inf
+    """s, of physics: with a longer step its control does not hold."""
 
     def mount(self, sensor: str) -> Mount:
         """Where `sensor` is fastened. Raises `InputError` where this body carries none."""

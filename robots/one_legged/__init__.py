@@ -37,5 +37,6 @@ BODY: Body = Body(
     spec=model.spec,
     fleet=Fleet,
     follow=controller.follow,
+    longest_timestep=model.TIMESTEP,
     constants=("robots.one_legged.model", "robots.one_legged.controller", "robots.one_legged.fleet"),
 )
