@@ -20,6 +20,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from flocking.angles import wrap
 from flocking.compilation import compiled
 from flocking.errors import InputError
 from flocking.types import Bools, Floats, Ints
@@ -27,10 +28,11 @@ from robots import touching
 from robots.one_legged import control, controller
 from robots.one_legged import model as one_legged
 from robots.one_legged.control import Gains
+from robots.one_legged.imperfections import Imperfections, Senses
 from robots.physics import HULL_MASK
 
 PHASES = FLIGHT, LOADING, THRUST, FALLEN = range(4)
-CAUSES = ("", "body low", "tilt", "not finite")
+CAUSES = ("", "body low", "tilt", "hip at its stop", "not finite")
 """Why a robot fell; the first: it is upright."""
 LOW = 0.4
 """m: a body whose centre is lower has fallen; ?: in the deepest stance at 3 m/s it is at 0.57 m."""
@@ -46,8 +48,14 @@ TURN_RATE = 1.5
 """rad/s at which the wanted heading comes round to the way the robot runs, at the most; ?."""
 RUNS = 0.3
 """m/s: a robot told to run slower keeps its heading; ?."""
-LIMP_DAMPING = 2.0
+LIMP_DAMPING = 0.05
 """N m s/rad of the hip of a robot that has fallen; ?."""
+
+MOST_TORQUE, MOST_TWIST, MOST_FORCE = 300.0, 20.0, 5000.0
+"""N m at the hinges about x and y, N m at the one about z, N along the leg: ?. A robot that runs does not reach them
+(docs/one_legged.md); they bound what one does whose control does not hold."""
+
+GAINS, NONE = Gains(), Imperfections()
 
 _EACH = np.dtype(
     [
@@ -102,9 +110,11 @@ class Fleet:
         self,
         model: mujoco.MjModel,
         prefixes: Sequence[str],
-        gains: Gains | None = None,
-        most_torque: float = math.inf,
+        gains: Gains = GAINS,
+        imperfections: Imperfections = NONE,
+        rng: np.random.Generator | None = None,
     ) -> None:
+        """`rng`: of the imperfections' noise."""
         count = len(prefixes)
         each, bodies = np.zeros(count, _EACH), np.zeros(count, np.int64)
         hulls = np.full(model.ngeom, touching.UNOWNED, dtype=np.int64)
@@ -132,10 +142,12 @@ class Fleet:
         self.root_bodies: Ints = bodies
         """(N,) body ids of the bodies with the hip."""
         self._each: Any = each
-        self._all: Any = np.array([(*(gains or Gains()), model.opt.timestep, most_torque)], dtype=_ALL)
+        self._all: Any = np.array([(*gains, model.opt.timestep, imperfections.torque_n_m)], dtype=_ALL)
         self._hulls = hulls
         self._meets = bool((model.geom_contype & HULL_MASK).any())  # whether there is what a hull could meet
         self._data: mujoco.MjData | None = None
+        self._senses = Senses(imperfections, each, model.opt.timestep, rng)
+        self._shoved = self._any_fallen = False
         self._linear = each["speed"].reshape(-1, 1) + np.arange(2)
 
     # told ------------------------------------------------------------------------------------------
@@ -155,17 +167,30 @@ class Fleet:
         """(N, 2) `desire` for all robots."""
         _desire_all(self._each, velocities_w)
 
+    def push(self, data: mujoco.MjData, k: int, impulse_w: Sequence[float] | Floats) -> None:
+        """Push robot k's body in its centre with an impulse (3,), N s in the world's axes, within the next step."""
+        data.xfrc_applied[self.root_bodies[k], :3] = np.asarray(impulse_w) / self._all["timestep"][0]
+        self._shoved = True
+
     # around each step ------------------------------------------------------------------------------
     def before_step(self, data: mujoco.MjData) -> None:
         """Bring torques and forces up to date with the robots' state."""
         if data is not self._data:  # the same arrays each step: to ask for them anew costs as much as to use them
             self._data = data
             self._qpos, self._qvel, self._ctrl, self._pushed = data.qpos, data.qvel, data.ctrl, data.qfrc_constraint
-        _actuate(self._each, self._all, self._qpos, self._qvel, self._pushed, self._ctrl)
+        read = self._qpos, self._qvel, self._pushed
+        if self._senses.acts:
+            read = self._senses.read(*read)
+        _actuate(self._each, self._all, *read, self._ctrl)
+        if self._any_fallen:
+            _limp(self._each, self._all, self._qpos, self._qvel, self._ctrl)
 
     def after_step(self, data: mujoco.MjData) -> bool:
         """Count the way by odometry. Whether any outline may be pressed."""
-        _counted(self._each, self._all, self._qpos)
+        self._any_fallen = _counted(self._each, self._all, self._qpos, self._qvel, self._pushed)
+        if self._shoved:
+            data.xfrc_applied[self.root_bodies] = 0.0
+            self._shoved = False
         return self._meets and bool(touching.any_hull(data.contact.geom, self._hulls))
 
     # seen ------------------------------------------------------------------------------------------
@@ -280,21 +305,12 @@ def _actuate(each: Any, shared: Any, qpos: Floats, qvel: Floats, pushed: Floats,
         rate_x, rate_y, rate_z = qvel[robot.rates[0]], qvel[robot.rates[1]], qvel[robot.rates[2]]
         longer, rate = qpos[robot.joints[3]], qvel[robot.rates[3]]
         vx, vy = qvel[moves], qvel[moves + 1]
-        if robot.phase != FALLEN:
-            cause = _fallen(qpos[at + 2], turn[8], vx + vy + rate + hip_x + hip_y + hip_z + longer)
-            if cause > 0:
-                robot.phase, robot.cause, robot.fallen_at = FALLEN, cause, robot.steps * step
         robot.steps += 1.0
         if robot.phase == FALLEN:
-            ctrl[motors[0]], ctrl[motors[1]] = _finite(-LIMP_DAMPING * rate_x), _finite(-LIMP_DAMPING * rate_y)
-            ctrl[motors[2]] = 0.0
-            force = control.spring_force(-longer, rate, given.swing_spring, given.swing_damping)
-            ctrl[motors[3]] = _finite(force)
             continue
         _phase(robot, given, longer, rate, step)
         _turn_nose(robot, step)
         if robot.phase == FLIGHT:
-            robot.seen[0], robot.seen[1] = vx, vy
             robot.length = -given.draw if robot.since < 0.5 * given.flight_s else 0.0
             x, y = control.foot_place(
                 vx, vy, robot.desired[0], robot.desired[1], robot.stance, given.placement, given.most_error,
@@ -306,7 +322,7 @@ def _actuate(each: Any, shared: Any, qpos: Floats, qvel: Floats, pushed: Floats,
             wanted_x, wanted_y = control.hip_angles(dx, dy, dz)
             torque_x = given.swing * (wanted_x - hip_x) - given.swing_rate * rate_x
             torque_y = given.swing * (wanted_y - hip_y) - given.swing_rate * rate_y
-            torque_z = -0.02 * given.swing * hip_z - 0.02 * given.swing_rate * rate_z
+            torque_z = -given.twist * hip_z - given.twist_rate * rate_z
             force = control.spring_force(robot.length - longer, rate, given.swing_spring, given.swing_damping)
         else:
             force = control.spring_force(robot.length - longer, rate, given.spring, given.spring_damping)
@@ -315,29 +331,44 @@ def _actuate(each: Any, shared: Any, qpos: Floats, qvel: Floats, pushed: Floats,
                 turn, qvel[moves + 3], qvel[moves + 4], given.attitude, given.attitude_damping,
                 given.grip * pressed * (one_legged.LENGTH + longer),
             )  # fmt: skip
-            error = robot.nose - robot.yaw
+            error = wrap(robot.nose - math.atan2(turn[3], turn[0]))
             body_z = control.yaw_torque(error, qvel[moves + 5], given.yaw, given.yaw_damping, given.yaw_grip * pressed)
             torque_x, torque_y, torque_z = control.hip_torques(hip_x, hip_y, body_x, body_y, body_z)
-        most = given.torque
+        most = min(given.torque, MOST_TORQUE)
         ctrl[motors[0]] = min(max(torque_x, -most), most)
         ctrl[motors[1]] = min(max(torque_y, -most), most)
+        most = min(most, MOST_TWIST)
         ctrl[motors[2]] = min(max(torque_z, -most), most)
-        ctrl[motors[3]] = force
+        ctrl[motors[3]] = min(max(force, -MOST_FORCE), MOST_FORCE)
 
 
 @compiled
-def _fallen(height: float, upright: float, other: float) -> int:
-    """Which of `CAUSES` holds, of a body at that height (m) whose axis' vertical component is `upright`; 0 = none."""
-    if not math.isfinite(height + upright + other):
-        return 3
+def _fallen(height: float, upright: float, hip: float, other: float) -> int:
+    """Which of `CAUSES` holds; 0 = none.
+
+    height: of the body, m; upright: the vertical component of its axis; hip: the greater of its angles about x and y,
+    rad; other: what must be finite too.
+    """
+    if not math.isfinite(height + upright + hip + other):
+        return 4
     if height < LOW:
         return 1
-    return 2 if upright < math.cos(TILT) else 0
+    if upright < math.cos(TILT):
+        return 2
+    return 3 if hip > one_legged.HIP_RANGE else 0
 
 
 @compiled
-def _finite(value: float) -> float:
-    return value if math.isfinite(value) else 0.0
+def _limp(each: Any, shared: Any, qpos: Floats, qvel: Floats, ctrl: Floats) -> None:
+    """Robots that have fallen: a hip without torque, but for friction, and a leg that keeps its length by itself."""
+    given = shared[0]
+    for k in range(len(each)):
+        robot = each[k]
+        if robot.phase == FALLEN:
+            for hinge in range(3):
+                ctrl[robot.motors[hinge]] = -LIMP_DAMPING * qvel[robot.rates[hinge]]
+            longer, rate = qpos[robot.joints[3]], qvel[robot.rates[3]]
+            ctrl[robot.motors[3]] = control.spring_force(-longer, rate, given.swing_spring, given.swing_damping)
 
 
 @compiled
@@ -364,8 +395,7 @@ def _phase(robot: Any, given: Any, longer: float, rate: float, step: float) -> N
 def _turn_nose(robot: Any, step: float) -> None:
     """Lets the wanted heading come round to the way that the robot is told to run."""
     if math.hypot(robot.desired[0], robot.desired[1]) > RUNS:
-        away = math.atan2(robot.desired[1], robot.desired[0]) - robot.nose
-        away -= 2.0 * math.pi * math.floor(away / (2.0 * math.pi) + 0.5)
+        away = wrap(math.atan2(robot.desired[1], robot.desired[0]) - robot.nose)
         most = TURN_RATE * step
         robot.nose += min(max(away, -most), most)
     robot.meant_way[0] += robot.desired[0] * step
@@ -374,19 +404,29 @@ def _turn_nose(robot: Any, step: float) -> None:
 
 
 @compiled
-def _counted(each: Any, shared: Any, qpos: Floats) -> None:
-    """The odometry after a step."""
-    step = shared[0].timestep
+def _counted(each: Any, shared: Any, qpos: Floats, qvel: Floats, pushed: Floats) -> bool:
+    """After a step: who has fallen, what others see, the odometry. pushed (nv,): as of `_actuate`.
+
+    Whether any has fallen.
+    """
+    step, any_fallen = shared[0].timestep, False
     for k in range(len(each)):
         robot = each[k]
         at = robot.root
         turn = control.rotation(qpos[at + 3], qpos[at + 4], qpos[at + 5], qpos[at + 6])
-        away = math.atan2(turn[3], turn[0]) - robot.yaw
-        robot.yaw += away - 2.0 * math.pi * math.floor(away / (2.0 * math.pi) + 0.5)
+        robot.yaw += wrap(math.atan2(turn[3], turn[0]) - robot.yaw)
+        if robot.phase != FALLEN:
+            hip = max(abs(qpos[robot.joints[0]]), abs(qpos[robot.joints[1]]))
+            robot.cause = _fallen(qpos[at + 2], turn[8], hip, qvel[robot.speed] + qvel[robot.speed + 1])
+            if robot.cause > 0:
+                robot.phase, robot.fallen_at = FALLEN, robot.steps * step
+        touches = pushed[robot.rates[3]] != 0.0
+        if robot.phase == FLIGHT and not touches:
+            robot.seen[0], robot.seen[1] = qvel[robot.speed], qvel[robot.speed + 1]
         length = one_legged.LENGTH + qpos[robot.joints[3]]
         dx, dy, dz = control.leg_direction(qpos[robot.joints[0]], qpos[robot.joints[1]])
         x, y, _ = control.to_world(turn, -length * dx, -length * dy, -length * dz)
-        if robot.touches > 0 and (robot.phase == LOADING or robot.phase == THRUST):
+        if touches and (robot.phase == LOADING or robot.phase == THRUST):
             robot.pace[0], robot.pace[1] = (robot.foot[0] - x) / step, (robot.foot[1] - y) / step
         elif robot.phase == FALLEN:
             robot.pace[0], robot.pace[1] = 0.0, 0.0
@@ -394,6 +434,8 @@ def _counted(each: Any, shared: Any, qpos: Floats) -> None:
         robot.foot[0], robot.foot[1] = x, y
         robot.way[0] += robot.pace[0] * step
         robot.way[1] += robot.pace[1] * step
+        any_fallen |= robot.phase == FALLEN
+    return any_fallen
 
 
 @compiled
