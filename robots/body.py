@@ -16,7 +16,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol, runtime_checkable
 
 import mujoco
 
@@ -86,6 +86,15 @@ class Fleet(Protocol):
 
     def counted_pose(self, k: int) -> Floats:
         """(3,) x, y, heading of robot k by its odometry, from its start."""
+
+
+@runtime_checkable
+class CanFall(Protocol):
+    """What a fleet has besides whose robots can fall."""
+
+    @property
+    def fallen_at(self) -> Floats:
+        """(N,) s, when each robot fell; nan = it is upright."""
 
 
 @dataclass(frozen=True)
