@@ -24,7 +24,7 @@ from flocking import users_files
 from flocking.errors import InputError, unknown_name
 from flocking.found import is_path, run
 from flocking.types import Bools, Floats, Ints, Kind
-from robots.physics import FLOOR_MASK, apply_options, take_servos_implicitly
+from robots.physics import FLOOR_MASK, TIMESTEP, apply_options, take_servos_implicitly
 
 HOME = Path(__file__).resolve().parent
 
@@ -201,7 +201,7 @@ def _of_folder(path: str, digest: str) -> Body:
 def scene(body: Body) -> mujoco.MjSpec:
     """One robot on a floor with a light: what its XML holds."""
     world = body.spec()
-    apply_options(world)
+    apply_options(world, min(TIMESTEP, body.longest_timestep))
     floor = world.worldbody.add_geom(name="floor", type=mujoco.mjtGeom.mjGEOM_PLANE, size=(0, 0, 1))
     floor.contype, floor.conaffinity = FLOOR_MASK, 0
     floor.rgba = (0.55, 0.57, 0.6, 1)

@@ -38,9 +38,12 @@ RUNS = 0.3
 LIMP_DAMPING = 0.05
 """N m s/rad of the hip of a robot that has fallen; ?."""
 
-MOST_TORQUE, MOST_TWIST, MOST_FORCE = 300.0, 20.0, 5000.0
-"""N m at the hinges about x and y, N m at the one about z, N along the leg: ?. A robot that runs does not reach them
-(docs/one_legged.md); they bound what one does whose control does not hold."""
+MOST_TORQUE = 300.0
+"""N m at the hinges about x and y; ?: bounds what a robot does whose control does not hold."""
+MOST_TWIST = 20.0
+"""N m at the hinge about z; ?: likewise."""
+MOST_FORCE = 5000.0
+"""N along the leg; ?: likewise. A robot that runs upright does not reach it."""
 
 EACH = np.dtype(
     [
