@@ -13,7 +13,7 @@ A herd on open ground, from Python::
     fleet.velocities(data)                        # (N, 2) those last seen in flight, held through stance
     fleet.actual_velocities(data), fleet.desired  # (N, 2) those of now; those commanded
     fleet.flying, fleet.upright                   # (N,) bool
-    fleet.fallen_at, fleet.causes                 # (N,) s, nan = upright; "body low", "tilt" or "not finite"
+    fleet.fallen_at, fleet.causes                 # (N,) s, nan = upright; why: `stepping.CAUSES`
 
 A commanded velocity stays in force until the next. All velocities are in m/s along the world's axes. Robots do not
 meet one another; whoever counts collisions takes two as touching whose places are nearer than 2 `model.RADIUS`.
@@ -37,5 +37,6 @@ BODY: Body = Body(
     spec=model.spec,
     fleet=Fleet,
     follow=controller.follow,
-    constants=("robots.one_legged.model", "robots.one_legged.controller", "robots.one_legged.fleet"),
+    longest_timestep=model.TIMESTEP,
+    constants=("robots.one_legged.model", "robots.one_legged.controller", "robots.one_legged.stepping"),
 )

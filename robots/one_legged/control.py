@@ -26,9 +26,9 @@ class Gains(NamedTuple):
     """N/m, of the leg in stance."""
     spring_damping: float = 10.0
     """N s/m, likewise."""
-    swing_spring: float = 3000.0
+    swing_spring: float = 1000.0
     """N/m, of the leg in flight, where it only carries itself."""
-    swing_damping: float = 60.0
+    swing_damping: float = 35.0
     """N s/m, likewise."""
     flight_s: float = 0.34
     """s, wanted from lift-off to touchdown."""
@@ -55,8 +55,12 @@ class Gains(NamedTuple):
     yaw_grip: float = 0.016
     """m: the turning moment that the heading may ask of the foot for each N of the leg's force; 0.8 of its friction."""
     swing: float = 60.0
-    """N m/rad, of the hip's hinges in flight."""
+    """N m/rad, of the hip's hinges about x and y in flight."""
     swing_rate: float = 6.0
+    """N m s/rad, likewise."""
+    twist: float = 0.3
+    """N m/rad, of the hinge about the leg's own axis in flight, which brings the leg's twist back to zero."""
+    twist_rate: float = 0.03
     """N m s/rad, likewise."""
 
 
@@ -79,7 +83,8 @@ def trimmed(energy: float, gain: float, flight_s: float, wanted_s: float) -> flo
 
 @compiled
 def foot_place(
-    vx: float, vy: float, wanted_x: float, wanted_y: float, stance_s: float, gain: float, most_error: float, reach: float
+    vx: float, vy: float, wanted_x: float, wanted_y: float, stance_s: float, gain: float, most_error: float,
+    reach: float,
 ) -> tuple[float, float]:  # fmt: skip
     """Forward speed: where the foot is to be at touchdown, from below the hip, m; in the axes of the velocities.
 

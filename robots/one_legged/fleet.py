@@ -1,8 +1,7 @@
 """All one-legged robots in a world: velocities commanded, torques at hips and forces along legs out.
 
-Each robot goes round four phases (`PHASES`): flight, loading, thrust, and fallen, which it does not leave. What it does
-in each is in `robots.one_legged.control`. The controller reads the state of its robot (orientation, velocity, joints)
-and whether the foot touches anything, as the publication's does.
+What is done at each step is in `robots.one_legged.stepping`. The controller reads the state of its robot (orientation,
+velocity, joints) and whether the foot touches anything, as the publication's does.
 
 Others see the velocity with which a robot last flew, held through stance (`velocities`): in stance a robot slows down
 and speeds up again by a few tenths of a m/s. `actual_velocities` are those of now, `desired` those commanded.
@@ -24,70 +23,13 @@ from flocking.compilation import compiled
 from flocking.errors import InputError
 from flocking.types import Bools, Floats, Ints
 from robots import touching
-from robots.one_legged import control, controller
+from robots.one_legged import controller, stepping
 from robots.one_legged import model as one_legged
 from robots.one_legged.control import Gains
+from robots.one_legged.imperfections import Imperfections, Senses
 from robots.physics import HULL_MASK
 
-PHASES = FLIGHT, LOADING, THRUST, FALLEN = range(4)
-CAUSES = ("", "body low", "tilt", "not finite")
-"""Why a robot fell; the first: it is upright."""
-LOW = 0.4
-"""m: a body whose centre is lower has fallen; ?: in the deepest stance at 3 m/s it is at 0.57 m."""
-TILT = math.radians(60.0)
-"""rad: a body that leans further has fallen; ?."""
-SHORTEST_FLIGHT = 0.05
-"""s after lift-off in which a touch is no touchdown: the foot rattles; ?."""
-SHORTEST_STANCE = 0.02
-"""s after touchdown in which there is no lift-off; ?."""
-FIRST_STANCE = 0.15
-"""s, what a stance is expected to last before there was one; D: near half a period of the mass on the spring."""
-TURN_RATE = 1.5
-"""rad/s at which the wanted heading comes round to the way the robot runs, at the most; ?."""
-RUNS = 0.3
-"""m/s: a robot told to run slower keeps its heading; ?."""
-LIMP_DAMPING = 2.0
-"""N m s/rad of the hip of a robot that has fallen; ?."""
-
-_EACH = np.dtype(
-    [
-        ("root", np.int64),  # where its free joint stands in qpos
-        ("speed", np.int64),  # and in qvel
-        ("joints", np.int64, (4,)),  # where hip_x, hip_y, hip_z and leg stand in qpos
-        ("rates", np.int64, (4,)),  # in qvel
-        ("motors", np.int64, (4,)),  # in ctrl
-        ("phase", np.int64),
-        ("since", np.float64),  # s in this phase; for thrust since touchdown
-        ("touches", np.int64),  # 1 = its foot touched something in the last step
-        ("length", np.float64),  # m that the leg is wanted longer than LENGTH
-        ("stance", np.float64),  # s that its last stance took
-        ("flight", np.float64),  # s that its last flight took
-        ("energy", np.float64),  # of `control.thrust`
-        ("hops", np.int64),  # touchdowns until now
-        ("desired", np.float64, (2,)),  # m/s in the world
-        ("nose", np.float64),  # rad, the heading wanted
-        ("seen", np.float64, (2,)),  # m/s in the world, in flight
-        ("fallen_at", np.float64),  # s, nan = upright
-        ("cause", np.int64),
-        ("steps", np.float64),  # begun until now
-        ("foot", np.float64, (2,)),  # m, the foot from the hip in the world's axes after the last step
-        ("pace", np.float64, (2,)),  # m/s in the world, by odometry
-        ("yaw", np.float64),  # rad, its heading after the last step, unwrapped
-        ("start", np.float64, (3,)),  # m, m, rad: where it began
-        ("way", np.float64, (2,)),  # m in the world from its start, by odometry
-        ("own_way", np.float64, (3,)),  # `way` and `yaw` when `own` was last asked
-        ("own_steps", np.float64),
-        ("own_rates", np.float64, (3,)),  # what `own` answered last
-        ("meant_way", np.float64, (3,)),  # m, m in the world and rad from its start, as it was told
-        ("meant_then", np.float64, (3,)),  # the same when `meant` was last asked
-        ("meant_steps", np.float64),
-        ("meant_rates", np.float64, (3,)),
-    ]
-)
-"""One robot."""
-
-_ALL = np.dtype([*((name, np.float64) for name in Gains._fields), ("timestep", np.float64), ("torque", np.float64)])
-"""What all robots of a fleet share: its `Gains`, the time step (s), the most torque at a hinge (N m)."""
+GAINS, NONE = Gains(), Imperfections()
 
 
 class Fleet:
@@ -102,16 +44,17 @@ class Fleet:
         self,
         model: mujoco.MjModel,
         prefixes: Sequence[str],
-        gains: Gains | None = None,
-        most_torque: float = math.inf,
+        gains: Gains = GAINS,
+        imperfections: Imperfections = NONE,
+        rng: np.random.Generator | None = None,
     ) -> None:
+        """`rng`: of the imperfections' noise."""
         count = len(prefixes)
-        each, bodies = np.zeros(count, _EACH), np.zeros(count, np.int64)
-        feet = np.full(model.ngeom, touching.UNOWNED, dtype=np.int64)
+        each, bodies = np.zeros(count, stepping.EACH), np.zeros(count, np.int64)
         hulls = np.full(model.ngeom, touching.UNOWNED, dtype=np.int64)
         if model.opt.timestep > one_legged.TIMESTEP + 1e-12:
             raise InputError(
-                f"timestep_s = {model.opt.timestep:g}: expected at most {one_legged.TIMESTEP:g} s with one-legged robots"
+                f"time step {model.opt.timestep:g} s: expected at most {one_legged.TIMESTEP:g} s with one-legged robots"
             )
         for k, prefix in enumerate(prefixes):
             try:
@@ -122,7 +65,6 @@ class Fleet:
                     each[k]["joints"][place] = model.joint(f"{prefix}{name}").qposadr[0]
                     each[k]["rates"][place] = model.joint(f"{prefix}{name}").dofadr[0]
                     each[k]["motors"][place] = model.actuator(f"{prefix}{name}").id
-                feet[model.geom(f"{prefix}foot").id] = k
                 hulls[model.geom(f"{prefix}hull").id] = k
             except KeyError as error:
                 raise InputError(f"no one-legged robot with prefix {prefix!r} in the model: {error.args[0]}") from None
@@ -130,12 +72,16 @@ class Fleet:
             heading = math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
             each[k]["start"] = (*model.qpos0[each[k]["root"] : each[k]["root"] + 2], heading)
             each[k]["nose"] = each[k]["yaw"] = heading
-        each["stance"], each["energy"], each["since"], each["fallen_at"] = FIRST_STANCE, 1.0, 1.0, np.nan
+        each["stance"], each["energy"], each["since"], each["fallen_at"] = stepping.FIRST_STANCE, 1.0, 1.0, np.nan
         self.root_bodies: Ints = bodies
         """(N,) body ids of the bodies with the hip."""
         self._each: Any = each
-        self._all: Any = np.array([(*(gains or Gains()), model.opt.timestep, most_torque)], dtype=_ALL)
-        self._feet, self._hulls = feet, hulls
+        self._all: Any = np.array([(*gains, model.opt.timestep, imperfections.torque_n_m)], dtype=stepping.ALL)
+        self._hulls = hulls
+        self._meets = bool((model.geom_contype & HULL_MASK).any())  # whether there is what a hull could meet
+        self._data: mujoco.MjData | None = None
+        self._senses = Senses(imperfections, each, model.opt.timestep, rng)
+        self._shoved = self._any_fallen = False
         self._linear = each["speed"].reshape(-1, 1) + np.arange(2)
 
     # told ------------------------------------------------------------------------------------------
@@ -155,14 +101,31 @@ class Fleet:
         """(N, 2) `desire` for all robots."""
         _desire_all(self._each, velocities_w)
 
+    def push(self, data: mujoco.MjData, k: int, impulse_w: Sequence[float] | Floats) -> None:
+        """Push robot k's body in its centre with an impulse (3,), N s in the world's axes, within the next step."""
+        data.xfrc_applied[self.root_bodies[k], :3] = np.asarray(impulse_w) / self._all["timestep"][0]
+        self._shoved = True
+
     # around each step ------------------------------------------------------------------------------
     def before_step(self, data: mujoco.MjData) -> None:
         """Bring torques and forces up to date with the robots' state."""
-        _actuate(self._each, self._all, data.qpos, data.qvel, data.ctrl, data.time)
+        if data is not self._data:  # the same arrays each step: to ask for them anew costs as much as to use them
+            self._data = data
+            self._qpos, self._qvel, self._ctrl, self._pushed = data.qpos, data.qvel, data.ctrl, data.qfrc_constraint
+        read = self._qpos, self._qvel, self._pushed
+        if self._senses.acts:
+            read = self._senses.read(*read)
+        stepping.actuate(self._each, self._all, *read, self._ctrl)
+        if self._any_fallen:
+            stepping.limp(self._each, self._all, self._qpos, self._qvel, self._ctrl)
 
     def after_step(self, data: mujoco.MjData) -> bool:
-        """Feel which feet touch anything, and count the way. Whether any outline may be pressed."""
-        return bool(_felt(self._each, self._all, data.qpos, data.qvel, data.contact.geom, self._feet, self._hulls))
+        """Count the way by odometry. Whether any outline may be pressed."""
+        self._any_fallen = stepping.counted(self._each, self._all, self._qpos, self._qvel, self._pushed)
+        if self._shoved:
+            data.xfrc_applied[self.root_bodies] = 0.0
+            self._shoved = False
+        return self._meets and bool(touching.any_hull(data.contact.geom, self._hulls))
 
     # seen ------------------------------------------------------------------------------------------
     def poses(self, data: mujoco.MjData) -> Floats:
@@ -187,12 +150,12 @@ class Fleet:
     @property
     def flying(self) -> Bools:
         """(N,) in flight now."""
-        return self._each["phase"] == FLIGHT
+        return self._each["phase"] == stepping.FLIGHT
 
     @property
     def upright(self) -> Bools:
         """(N,) not fallen."""
-        return self._each["phase"] != FALLEN
+        return self._each["phase"] != stepping.FALLEN
 
     @property
     def fallen_at(self) -> Floats:
@@ -201,8 +164,8 @@ class Fleet:
 
     @property
     def causes(self) -> tuple[str, ...]:
-        """(N,) why each robot fell: one of `CAUSES`; empty = it is upright."""
-        return tuple(CAUSES[cause] for cause in self._each["cause"])
+        """(N,) why each robot fell: one of `stepping.CAUSES`; empty = it is upright."""
+        return tuple(stepping.CAUSES[cause] for cause in self._each["cause"])
 
     @property
     def hops(self) -> Ints:
@@ -256,145 +219,6 @@ def _from_start(start: Floats, way: Floats) -> Floats:
 def _desire_all(each: Any, velocities_w: Floats) -> None:
     for k in range(len(each)):
         each[k].desired[0], each[k].desired[1] = controller.limited(velocities_w[k, 0], velocities_w[k, 1])
-
-
-@compiled
-def _actuate(each: Any, shared: Any, qpos: Floats, qvel: Floats, ctrl: Floats, time: float) -> None:
-    """One step of the control of all robots: phases, then the force along each leg and the torques at each hip."""
-    given = shared[0]
-    step = given.timestep
-    for k in range(len(each)):
-        robot = each[k]
-        at, moves, motors = robot.root, robot.speed, robot.motors
-        robot.steps += 1.0
-        turn = control.rotation(qpos[at + 3], qpos[at + 4], qpos[at + 5], qpos[at + 6])
-        hip_x, hip_y, hip_z = qpos[robot.joints[0]], qpos[robot.joints[1]], qpos[robot.joints[2]]
-        rate_x, rate_y, rate_z = qvel[robot.rates[0]], qvel[robot.rates[1]], qvel[robot.rates[2]]
-        longer, rate = qpos[robot.joints[3]], qvel[robot.rates[3]]
-        vx, vy = qvel[moves], qvel[moves + 1]
-        if robot.phase != FALLEN:
-            cause = _fallen(qpos[at + 2], turn[8], vx + vy + rate + hip_x + hip_y + hip_z + longer)
-            if cause > 0:
-                robot.phase, robot.cause, robot.fallen_at = FALLEN, cause, time
-        if robot.phase == FALLEN:
-            ctrl[motors[0]], ctrl[motors[1]] = _finite(-LIMP_DAMPING * rate_x), _finite(-LIMP_DAMPING * rate_y)
-            ctrl[motors[2]] = 0.0
-            force = control.spring_force(-longer, rate, given.swing_spring, given.swing_damping)
-            ctrl[motors[3]] = _finite(force)
-            continue
-        _phase(robot, given, longer, rate, step)
-        _turn_nose(robot, step)
-        if robot.phase == FLIGHT:
-            robot.seen[0], robot.seen[1] = vx, vy
-            robot.length = -given.draw if robot.since < 0.5 * given.flight_s else 0.0
-            x, y = control.foot_place(
-                vx, vy, robot.desired[0], robot.desired[1], robot.stance, given.placement, given.most_error,
-                given.most_reach,
-            )  # fmt: skip
-            down = math.sqrt(one_legged.LENGTH**2 - x * x - y * y)
-            scale = 1.0 / one_legged.LENGTH
-            dx, dy, dz = control.to_body(turn, -x * scale, -y * scale, down * scale)
-            wanted_x, wanted_y = control.hip_angles(dx, dy, dz)
-            torque_x = given.swing * (wanted_x - hip_x) - given.swing_rate * rate_x
-            torque_y = given.swing * (wanted_y - hip_y) - given.swing_rate * rate_y
-            torque_z = -0.02 * given.swing * hip_z - 0.02 * given.swing_rate * rate_z
-            force = control.spring_force(robot.length - longer, rate, given.swing_spring, given.swing_damping)
-        else:
-            force = control.spring_force(robot.length - longer, rate, given.spring, given.spring_damping)
-            pressed = max(force, 0.0)
-            body_x, body_y = control.upright_torque(
-                turn, qvel[moves + 3], qvel[moves + 4], given.attitude, given.attitude_damping,
-                given.grip * pressed * (one_legged.LENGTH + longer),
-            )  # fmt: skip
-            error = robot.nose - robot.yaw
-            body_z = control.yaw_torque(error, qvel[moves + 5], given.yaw, given.yaw_damping, given.yaw_grip * pressed)
-            torque_x, torque_y, torque_z = control.hip_torques(hip_x, hip_y, body_x, body_y, body_z)
-        most = given.torque
-        ctrl[motors[0]] = min(max(torque_x, -most), most)
-        ctrl[motors[1]] = min(max(torque_y, -most), most)
-        ctrl[motors[2]] = min(max(torque_z, -most), most)
-        ctrl[motors[3]] = force
-
-
-@compiled
-def _fallen(height: float, upright: float, other: float) -> int:
-    """Which of `CAUSES` holds, of a body at that height (m) whose axis' vertical component is `upright`; 0 = none."""
-    if not math.isfinite(height + upright + other):
-        return 3
-    if height < LOW:
-        return 1
-    return 2 if upright < math.cos(TILT) else 0
-
-
-@compiled
-def _finite(value: float) -> float:
-    return value if math.isfinite(value) else 0.0
-
-
-@compiled
-def _phase(robot: Any, given: Any, longer: float, rate: float, step: float) -> None:
-    """Brings the phase up to date: touchdown, the bottom of stance, lift-off."""
-    robot.since += step
-    if robot.phase == FLIGHT:
-        if robot.touches > 0 and robot.since > SHORTEST_FLIGHT:
-            if robot.hops > 0:
-                robot.flight = robot.since
-                robot.energy = control.trimmed(robot.energy, given.trim, robot.since, given.flight_s)
-            robot.phase, robot.since, robot.length = LOADING, 0.0, 0.0
-            robot.hops += 1
-    elif robot.touches == 0 and robot.since > SHORTEST_STANCE:
-        robot.stance = 0.5 * (robot.stance + robot.since)
-        robot.phase, robot.since = FLIGHT, 0.0
-    elif robot.phase == LOADING and rate >= 0.0 and robot.since > step:
-        mass = one_legged.BODY_MASS + one_legged.UPPER_MASS
-        robot.length = longer + control.thrust(mass, given.spring, given.flight_s, robot.energy)
-        robot.phase = THRUST
-
-
-@compiled
-def _turn_nose(robot: Any, step: float) -> None:
-    """Lets the wanted heading come round to the way that the robot is told to run."""
-    if math.hypot(robot.desired[0], robot.desired[1]) > RUNS:
-        away = math.atan2(robot.desired[1], robot.desired[0]) - robot.nose
-        away -= 2.0 * math.pi * math.floor(away / (2.0 * math.pi) + 0.5)
-        most = TURN_RATE * step
-        robot.nose += min(max(away, -most), most)
-    robot.meant_way[0] += robot.desired[0] * step
-    robot.meant_way[1] += robot.desired[1] * step
-    robot.meant_way[2] = robot.nose - robot.start[2]
-
-
-@compiled
-def _felt(each: Any, shared: Any, qpos: Floats, qvel: Floats, pairs: Ints, feet: Ints, hulls: Ints) -> bool:
-    """Which feet touch, from the contacts (C, 2) that the step has found; the odometry. Whether any hull touches."""
-    step = shared[0].timestep
-    for k in range(len(each)):
-        each[k].touches = 0
-    hull = False
-    for c in range(len(pairs)):
-        for end in range(2):
-            k = feet[pairs[c, end]]
-            if k != touching.UNOWNED:
-                each[k].touches = 1
-            hull |= hulls[pairs[c, end]] != touching.UNOWNED
-    for k in range(len(each)):
-        robot = each[k]
-        at = robot.root
-        turn = control.rotation(qpos[at + 3], qpos[at + 4], qpos[at + 5], qpos[at + 6])
-        away = math.atan2(turn[3], turn[0]) - robot.yaw
-        robot.yaw += away - 2.0 * math.pi * math.floor(away / (2.0 * math.pi) + 0.5)
-        length = one_legged.LENGTH + qpos[robot.joints[3]]
-        dx, dy, dz = control.leg_direction(qpos[robot.joints[0]], qpos[robot.joints[1]])
-        x, y, _ = control.to_world(turn, -length * dx, -length * dy, -length * dz)
-        if robot.touches > 0 and (robot.phase == LOADING or robot.phase == THRUST):
-            robot.pace[0], robot.pace[1] = (robot.foot[0] - x) / step, (robot.foot[1] - y) / step
-        elif robot.phase == FALLEN:
-            robot.pace[0], robot.pace[1] = 0.0, 0.0
-            robot.seen[0], robot.seen[1] = 0.0, 0.0
-        robot.foot[0], robot.foot[1] = x, y
-        robot.way[0] += robot.pace[0] * step
-        robot.way[1] += robot.pace[1] * step
-    return hull
 
 
 @compiled

@@ -12,6 +12,7 @@ from __future__ import annotations
 from math import sqrt
 
 import mujoco
+import numpy as np
 
 from robots.physics import FLOOR_MASK, HULL_MASK
 
@@ -30,6 +31,11 @@ LOWER_TO_FOOT = 0.304  # m from it down to the sole; ?: half a uniform rod of th
 LENGTH = UPPER_TO_HIP + UPPER_TO_LEG + LOWER_TO_LEG + LOWER_TO_FOOT  # m, hip to sole with the spring at rest; D
 MASS = BODY_MASS + UPPER_MASS + LOWER_MASS  # kg; D
 
+# Stops, which a running robot does not reach ------------------------------------------------------
+HIP_RANGE = 1.3  # rad to either side of the hip's hinges about x and y; ?: short of where the axes of x and z meet
+TWIST_RANGE = 2.0  # rad to either side of the hinge about z; ?
+LEG_RANGE = (-0.35, 0.15)  # m shorter and longer than with the spring at rest; ?
+
 # Foot ---------------------------------------------------------------------------------------------
 FOOT_RADIUS = 0.02  # m; ?: a sphere
 FOOT_FRICTION = 1.0  # ?: rubber on a rough floor
@@ -41,7 +47,7 @@ RADIUS = sqrt(2.0 * BODY_INERTIA[2] / BODY_MASS)  # m; D: of a uniform upright c
 HEIGHT = sqrt(12.0 * BODY_INERTIA[0] / BODY_MASS - 3.0 * RADIUS**2)  # m of the same cylinder; D
 HULL_DEPTH = 0.45  # m below the hip that its outline reaches, a capsule; ?: it meets walls half a metre high
 LYING_FRICTION = 0.5  # of the body on the floor when it has fallen; ?
-TIMESTEP = 0.005  # s, the greatest at which the robot is simulated; ?: half of it gives the same run (docs/one_legged.md)
+TIMESTEP = 0.005  # s, the greatest at which the robot is simulated; ?: at 0.01 s it falls (docs/one_legged.md)
 
 JOINTS = ("hip_x", "hip_y", "hip_z", "leg")
 """In the order of the chain, from the body to the foot: the order of the hip's axes is a choice."""
@@ -59,6 +65,7 @@ def spec() -> mujoco.MjSpec:
     """
     robot = mujoco.MjSpec()
     robot.modelname = "one-legged"
+    robot.compiler.degree = False
     base = robot.worldbody.add_body(name="base", pos=(0.0, 0.0, LENGTH))
     base.add_freejoint(name="root")
     _weigh(base, BODY_MASS, BODY_INERTIA, 0.0)
@@ -76,12 +83,13 @@ def spec() -> mujoco.MjSpec:
         rgba=(0, 0, 0, 0), group=3, userdata=DARK,
     )  # fmt: skip
     upper = base.add_body(name="upper_leg")
-    for name, axis in zip(JOINTS, ((1, 0, 0), (0, 1, 0), (0, 0, 1)), strict=False):
-        upper.add_joint(name=name, axis=axis)
+    for axis, name in enumerate(JOINTS[:3]):
+        most = TWIST_RANGE if axis == 2 else HIP_RANGE
+        upper.add_joint(name=name, axis=np.eye(3)[axis], limited=1, range=(-most, most))
     _weigh(upper, UPPER_MASS, UPPER_INERTIA, -UPPER_TO_HIP)
     _rod(upper, "thigh", 0.04, 0.0, -UPPER_TO_HIP - UPPER_TO_LEG)
     lower = upper.add_body(name="lower_leg", pos=(0.0, 0.0, -UPPER_TO_HIP - UPPER_TO_LEG))
-    lower.add_joint(name="leg", type=mujoco.mjtJoint.mjJNT_SLIDE, axis=(0, 0, -1))
+    lower.add_joint(name="leg", type=mujoco.mjtJoint.mjJNT_SLIDE, axis=(0, 0, -1), limited=1, range=LEG_RANGE)
     _weigh(lower, LOWER_MASS, LOWER_INERTIA, -LOWER_TO_LEG)
     _rod(lower, "shin", 0.018, 0.0, -LOWER_TO_LEG - LOWER_TO_FOOT)
     lower.add_geom(
