@@ -1,4 +1,4 @@
-"""The inner loops: each member of a herd decides by those whom it sees, and point masses do what they decide. Compiled."""
+"""The inner loops: each member of a herd decides by those whom it sees; point masses do what they decide. Compiled."""
 
 from __future__ import annotations
 
@@ -138,9 +138,7 @@ def shift_of(i: int, herd: Herd) -> tuple[float, float]:
 
 
 @borrowing
-def know_oneself(
-    i: int, herd: Herd, c: float, s: float, shift: tuple[float, float], dt: float, own: Floats
-) -> None:
+def know_oneself(i: int, herd: Herd, c: float, s: float, shift: tuple[float, float], dt: float, own: Floats) -> None:
     """Writes what member i knows of itself, as `flocking.lawentry.packed_own` packs it."""
     vx, vy, gx, gy = herd.actual[i, 0], herd.actual[i, 1], herd.mood.ways[i, 0], herd.mood.ways[i, 1]
     vx, vy = vx + shift[0], vy + shift[1]

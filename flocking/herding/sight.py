@@ -77,7 +77,7 @@ def look(
     """Writes for each member the others that it sees into the first `counts[i]` places of its row of `seen` (N, N).
 
     `steps` (K,) and `given` (N, K, ARGUMENTS): the steps of a selection and each member's numbers for them, as in
-    `flocking.selection.Program`. `positions` (N, 2), `headings` (N,), world frame. `there` (N,): who can be seen at all.
+    `flocking.selection.Program`. `positions` (N, 2), `headings` (N,), world frame. `there` (N,): who can be seen.
     `errors` (N, N, 2) in m, or (0, 0, 2): by how much member i takes member j to be elsewhere, world axes.
     """
     count = len(positions)

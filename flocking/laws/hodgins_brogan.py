@@ -112,7 +112,7 @@ class Parameters(NamedTuple):
 def beside(points: Floats, velocity: Floats, parameters: Parameters) -> float:
     """How far to the left of its course (m) a member would like to be for the nearest disc that its course runs into.
 
-    `points` (K, 2): the nearest point of each disc; `velocity` (2,), its own; body frame. 0 where there is no such disc.
+    `points` (K, 2): the nearest point of each disc; `velocity` (2,), its own; body frame. 0: there is no such disc.
     """
     speed, radius = math.hypot(velocity[0], velocity[1]), parameters.obstacle_radius_m
     if radius <= 0.0 or speed < 1e-9:
@@ -146,14 +146,15 @@ def law(
     weights_rate = ex_rate = ey_rate = 0.0
     for j in range(len(members.ids)):
         x, y = members.positions[j, 0], members.positions[j, 1]
-        distance = math.hypot(x, y)
-        if not sets[0, j] or distance < 1e-9:
+        squared = x * x + y * y
+        if not sets[0, j] or squared < 1e-18:
             continue
         vx, vy = members.velocities[j, 0] - own.velocity[0], members.velocities[j, 1] - own.velocity[1]
-        recession = (x * vx + y * vy) / distance
-        weight = 1.0 / (distance * distance)
-        weight_rate = -2.0 * weight / distance * recession
-        share = 1.0 - parameters.spacing_m / distance
+        near = 1.0 / math.sqrt(squared)
+        recession = (x * vx + y * vy) * near
+        weight = near * near
+        weight_rate = -2.0 * weight * near * recession
+        share = 1.0 - parameters.spacing_m * near
         share_rate = parameters.spacing_m * weight * recession
         weights += weight
         weights_rate += weight_rate

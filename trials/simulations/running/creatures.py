@@ -22,13 +22,26 @@ HIGHEST_DROP_M = 0.3
 """Bodies with legs start so high above the ground at the most, so that they do not hop in step. A choice."""
 
 
+BAD = (mujoco.mjtWarning.mjWARN_BADQPOS, mujoco.mjtWarning.mjWARN_BADQVEL, mujoco.mjtWarning.mjWARN_BADQACC)
+"""MuJoCo's warnings of a state that is no longer finite."""
+
+
+class DivergedError(ValueError):
+    """MuJoCo found a state that is no longer finite, and began anew: what follows is worth nothing."""
+
+
 class Creatures(Protocol):
     """N of them, at work."""
 
-    mind: HerdMind
+    @property
+    def mind(self) -> HerdMind:
+        """Theirs."""
 
     def advance(self, first: int, draws: Floats, touching: Touching) -> None:
-        """Steps from the one of that number on, from 0; `draws` (steps, N, DRAWS)."""
+        """Steps from the one of that number on, from 0; `draws` (steps, N, DRAWS).
+
+        Raises `LawFailedError` and `DivergedError`.
+        """
 
     def poses(self) -> Floats:
         """(N, 3) x, y and heading now."""
@@ -77,7 +90,9 @@ class Legged:
         """`ground`: the module of the body's ground. Actual velocities are those last seen in flight."""
         count = len(mind.there)
         poses = np.column_stack([mind.herd.positions, mind.herd.headings])
-        built: Any = importlib.import_module(ground).build(poses, rng.uniform(0.0, HIGHEST_DROP_M, count), timestep_s=dt)
+        built: Any = importlib.import_module(ground).build(
+            poses, rng.uniform(0.0, HIGHEST_DROP_M, count), timestep_s=dt
+        )
         self.mind, self.dt = mind, dt
         self.model, self.data, self.fleet = built.model, built.data, built.fleet
         roots = self.fleet.root_bodies
@@ -106,6 +121,8 @@ class Legged:
                 mind.there[:] = fleet.upright
                 mind.touches(touching, step * self.dt)
         herd.positions[:] = data.qpos[self._places]
+        if sum(data.warning[int(kind)].number for kind in BAD):
+            raise DivergedError(f"the physics of the creatures diverged before {(first + len(draws)) * self.dt:g} s")
 
     def poses(self) -> Floats:
         """See `Creatures`."""

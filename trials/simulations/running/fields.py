@@ -62,8 +62,15 @@ class TrialFields(NamedTuple):
         float, Parameter("m", "a choice: of its centre from the herd's centre, where the herd is to run", low=0.0)
     ] = 20.0
     collision_m: Annotated[
-        float, Parameter("m", "a choice: two creatures collide that are nearer, centre to centre", low=0.0, high=10.0)
-    ] = 0.5
+        float,
+        Parameter(
+            "m",
+            "a choice: two creatures collide that are nearer, centre to centre; twice the radius of a uniform cylinder "
+            "with the mass and the inertia of the published body",
+            low=0.0,
+            high=10.0,
+        ),
+    ] = 0.46
     cut_m: Annotated[
         float, Parameter("m", f"creatures farther apart are of different groups; {SOURCE}: D", low=1e-3)
     ] = 2.5
@@ -115,9 +122,7 @@ class GroupFields(NamedTuple):
     ] = 0.0
 
 
-def trial(
-    experiment: str, repeat: int, group: Group, formation_parameters: dict[str, Value] | None = None, **setup: Value
-) -> Trial:
+def trial(experiment: str, repeat: int, group: Group, **setup: Value) -> Trial:
     """A trial of one herd; `setup`: of `TrialFields`."""
     return Trial(
         experiment=experiment,
@@ -126,16 +131,13 @@ def trial(
         world=WORLD,
         formation=FORMATION,
         groups=(group,),
-        formation_parameters=formation_parameters or {},
         setup=setup,
     )
 
 
 def herd(count: int = 105, *, law_parameters: dict[str, Value] | None = None, **setup: Value) -> Group:
     """The herd; `setup`: of `GroupFields`."""
-    return Group(
-        law="hodgins-brogan", count=count, pipeline=PERFECT, law_parameters=law_parameters or {}, setup=setup
-    )
+    return Group(law="hodgins-brogan", count=count, pipeline=PERFECT, law_parameters=law_parameters or {}, setup=setup)
 
 
 def of_trial(trial: Trial) -> TrialFields:

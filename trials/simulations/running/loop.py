@@ -21,7 +21,7 @@ from flocking.types import Floats
 from robots import body as bodies
 from trials.simulations import watch
 from trials.simulations.running import fields, herd, script
-from trials.simulations.running.creatures import Creatures, Legged, Particles
+from trials.simulations.running.creatures import Creatures, DivergedError, Legged, Particles
 from trials.simulations.running.measures import measure
 from trials.streams import Purpose, stream
 from trials.types import Contacts, Trial, TrialResult, no_updates
@@ -46,8 +46,8 @@ class Ran(NamedTuple):
 def run_trial(trial: Trial, scans: str = "none", reraise: bool = False, folder: Path | None = None) -> TrialResult:
     """Runs one trial and measures it; the same `Trial` gives the same result.
 
-    A law that gives what it must not ends the trial: `outcome` is then `failed`, `reason` says why, and only the start
-    is kept; with `reraise` the error is raised instead. Raises `InputError` for a trial that cannot be set up.
+    A law that gives what it must not, and physics that diverge, end the trial: `outcome` is then `failed`, `reason` says
+    why, and only the start is kept; with `reraise` the error is raised instead. Raises `InputError` for a trial that cannot be set up.
     """
     began = perf_counter()
     herd.check(trial)
@@ -58,7 +58,7 @@ def run_trial(trial: Trial, scans: str = "none", reraise: bool = False, folder: 
     try:
         with watch.watched():
             ran = run(trial, creatures, touching)
-    except LawFailedError as error:
+    except (LawFailedError, DivergedError) as error:
         if reraise:
             raise
         outcome, reason = "failed", " ".join(str(error).split())
@@ -98,7 +98,7 @@ def built(trial: Trial) -> Creatures:
 
 
 def run(trial: Trial, creatures: Creatures, touching: Touching) -> Ran:
-    """Runs all steps of a trial. Raises `LawFailedError`."""
+    """Runs all steps of a trial. Raises `LawFailedError` and `DivergedError`."""
     given, group = fields.of_trial(trial), fields.group_of(trial)
     own, mind, dt = fields.of_group(group), creatures.mind, given.timestep_s
     count, steps, legs = group.count, fields.steps_of(trial), script.parse(given.script)
@@ -147,9 +147,7 @@ def _disc(mind: HerdMind, leg: script.Leg, given: fields.TrialFields) -> Floats:
     return np.array([[*(centre + given.obstacle_ahead_m * ahead), given.obstacle_radius_m]])
 
 
-def _result(
-    trial: Trial, creatures: Creatures, touching: Touching, ran: Ran, outcome: str, reason: str
-) -> TrialResult:
+def _result(trial: Trial, creatures: Creatures, touching: Touching, ran: Ran, outcome: str, reason: str) -> TrialResult:
     group, given = fields.group_of(trial), fields.of_trial(trial)
     count, kept = group.count, min(int(touching.found[0]), MOST_TOUCHES)
     poses_w = ran.poses_w.copy()

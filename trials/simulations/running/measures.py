@@ -47,7 +47,9 @@ ABOUT: dict[str, Measure] = {
     "breakaways": Measure("", "groups beside the largest that have not rejoined at the end"),
     "groups_most": Measure("", "most groups at one time"),
     "split_s": Measure("s", "how long the herd was more than one group"),
-    "regroup_s": Measure("s", "from its first split until it is one for good; 0 = never split, nan = not until the end"),
+    "regroup_s": Measure(
+        "s", "from its first split until it is one for good; 0 = never split, nan = not until the end"
+    ),
     "obstacle_hits": Measure("", "creatures whose centre came within the obstacle"),
     "first_hits": Measure("", "1 if the creature that was nearest to the obstacle at the begin came within it"),
 }

@@ -7,6 +7,7 @@ in s on.
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 from typing import NamedTuple
 
 from flocking.errors import InputError
@@ -39,7 +40,7 @@ def parse(text: str) -> tuple[Leg, ...]:
             raise InputError(f"script {text!r}: {part.strip()!r}: expected a time and a velocity, as in '30: 2, 0'")
         legs.append(Leg(at, x, y))
     times = [leg.from_s for leg in legs]
-    if not legs or times[0] != 0.0 or any(later <= sooner for sooner, later in zip(times, times[1:], strict=False)):
+    if not legs or times[0] != 0.0 or any(later <= sooner for sooner, later in pairwise(times)):
         raise InputError(f"script {text!r}: expected velocities from growing times on, the first from 0 s")
     return tuple(legs)
 
