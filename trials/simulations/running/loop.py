@@ -46,8 +46,9 @@ class Ran(NamedTuple):
 def run_trial(trial: Trial, scans: str = "none", reraise: bool = False, folder: Path | None = None) -> TrialResult:
     """Runs one trial and measures it; the same `Trial` gives the same result.
 
-    A law that gives what it must not, and physics that diverge, end the trial: `outcome` is then `failed`, `reason` says
-    why, and only the start is kept; with `reraise` the error is raised instead. Raises `InputError` for a trial that cannot be set up.
+    A law that gives what it must not, and physics that diverge, end the trial: `outcome` is then `failed`, `reason`
+    says why, and only the start is kept; with `reraise` the error is raised instead. Raises `InputError` for a trial
+    that cannot be set up.
     """
     began = perf_counter()
     herd.check(trial)

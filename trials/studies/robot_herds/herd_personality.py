@@ -1,8 +1,8 @@
 """Robot herds of different creatures: gains that differ from one to the next, and errors about where others are.
 
 Hodgins and Brogan 1994, section 5, as the work that is to follow: heterogeneous herds, noise, personalities by the
-gains of the herding algorithm. Gains are drawn uniformly to either side of the published ones. Nothing was published: the
-report shows what it does.
+gains of the herding algorithm. Gains are drawn uniformly to either side of the published ones. Nothing was published:
+the report shows what it does.
 """
 
 from __future__ import annotations
