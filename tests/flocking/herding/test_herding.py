@@ -157,7 +157,7 @@ class TestTold:
     def test_an_error_about_a_place_is_a_neighbour_that_stands_there(self) -> None:
         places, error = np.array([[0.0, 0.0], [4.0, 0.0]]), np.zeros((2, 2, 2))
         error[0, 1] = [0.0, 3.0]
-        wrong, right = (moving(p, np.zeros((2, 2))) for p in (places, places + [[0.0, 0.0], [0.0, 3.0]]))
+        wrong, right = (moving(p, np.zeros((2, 2))) for p in (places, places + np.array([[0.0, 0.0], [0.0, 3.0]])))
         wrong.look(error)
         right.look()
         for herd in (wrong, right):
