@@ -37,6 +37,7 @@ ABOUT: dict[str, Measure] = {
     "ahead_2": Measure("m", "the same of leg 2; nan without one"),
     "ahead_3": Measure("m", "the same of leg 3"),
     "user_away": Measure("m", "distance of the user's creature from the herd's centre, root of the mean square"),
+    "off_course": Measure("m", "of the herd's centre from where it would be had it run as is told, root mean square"),
     "speed_end": Measure("m/s", "speed of the herd's centre over the last tenth"),
     "speed_ratio": Measure("", "the same over the speed that the user's creature is told"),
     "speed_most": Measure("m/s", "highest speed of the herd's centre"),
@@ -113,9 +114,13 @@ def _of_user(
     away = places[:, 0] - centres
     found = {"user_away": math.sqrt(float((away**2).sum(axis=1).mean()))}
     legs = script.parse(given.script)
+    clock = times - given.settle_s
+    told = np.array([[leg.x_m_s, leg.y_m_s] for leg in (script.at(legs, time) for time in clock[:-1])]).reshape(-1, 2)
+    way = np.cumsum(told * np.diff(times)[:, None], axis=0)
+    off = centres[1:] - centres[0] - way
+    found["off_course"] = math.sqrt(float((off**2).sum(axis=1).mean())) if len(off) else math.nan
     ends = [*(leg.from_s for leg in legs[1:]), times[-1] - given.settle_s]
     for number, (leg, end) in enumerate(zip(legs[:3], ends, strict=False), start=1):
-        clock = times - given.settle_s
         half = (clock >= 0.5 * (leg.from_s + end) - 1e-9) & (clock <= end + 1e-9)
         if half.any() and leg.speed > 0.0:
             found[f"ahead_{number}"] = float((away[half] @ np.array([leg.x_m_s, leg.y_m_s])).mean() / leg.speed)

@@ -134,7 +134,11 @@ def _collide(cells: Cells) -> list[Outcome]:
 
 
 def _track(cells: Cells) -> list[Outcome]:
-    return [ratio("distance, robots over point masses", cells.log_ratio("user_away", (ROBOTS,), (PARTICLES,)), CLOSER)]
+    course = cells.log_ratio("off_course", (ROBOTS,), (PARTICLES,))
+    return [
+        ratio("distance, robots over point masses", cells.log_ratio("user_away", (ROBOTS,), (PARTICLES,)), CLOSER),
+        ratio("the same of the centre from the course that is told", course, CLOSER, decides=False),
+    ]
 
 
 def obstacle_claims(run: Run) -> list[Entry]:

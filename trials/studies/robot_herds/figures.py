@@ -43,7 +43,7 @@ def _steady(run: Run, place: Place) -> list[Figure]:
             t = int(np.abs(result.times - number * EVERY_S).argmin())
             _herd(axis, result, t, result.poses_w[t, :, :2].mean(axis=0))
     caption = "Places from the herd's centre (m), one trial of each; red: the user's creature. As figure 5."
-    return [draw.save(canvas, place, "herds", "The herds every 100 s", caption)]
+    return [draw.save(canvas, place, "herds", "The herds every 100 s", caption, dots=True)]
 
 
 def acceleration_figures(run: Run, folder: Path) -> list[Figure]:
@@ -58,7 +58,7 @@ def zigzag_figures(run: Run, folder: Path) -> list[Figure]:
 
 def _course(run: Run, place: Place, words: str, height: float) -> Figure:
     """Snapshots at the begin of the test, at each change and at the end, on the way of the user's creature."""
-    canvas, axes = draw.grid(len(BODIES), 1, width=9.6, height=height, share=True)
+    canvas, axes = draw.grid(len(BODIES), 1, width=9.6, height=height)
     for axis, body in zip(axes, BODIES, strict=True):
         result = first_result(run, {BODY: body})
         axis.set_title(body, loc="left")
@@ -79,7 +79,7 @@ def _course(run: Run, place: Place, words: str, height: float) -> Figure:
         "The herd where its user's creature is told another velocity, and at the end; red: that creature and its way; "
         f"{words}."
     )
-    return draw.save(canvas, place, "course", "The herds on their course", caption)
+    return draw.save(canvas, place, "course", "The herds on their course", caption, dots=True)
 
 
 def obstacle_figures(run: Run, folder: Path) -> list[Figure]:

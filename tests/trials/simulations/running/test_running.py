@@ -114,6 +114,7 @@ class TestMeasures:
         assert found["unrest"] == pytest.approx(0.0, abs=1e-9)
         assert found["ahead_1"] == pytest.approx(1.0)
         assert found["user_away"] == pytest.approx(math.sqrt(2.0))
+        assert found["off_course"] == pytest.approx(0.0, abs=1e-9)
         assert (found["groups_end"], found["breakaways"], found["regroup_s"]) == (1.0, 0.0, 0.0)
         assert found["collisions_a_minute"] == pytest.approx(9.0)  # three in 20 s
         assert math.isnan(found["obstacle_hits"])

@@ -38,10 +38,19 @@ def test_acceleration() -> None:
 
 def test_zigzag() -> None:
     def published(conditions: Mapping[str, Any]) -> Mapping[str, float]:
-        return {**WELL, "collisions": 8.0 * robots(conditions), "user_away": 2.0 if robots(conditions) else 1.0}
+        return {
+            **WELL,
+            "collisions": 8.0 * robots(conditions),
+            "user_away": 2.0 if robots(conditions) else 1.0,
+            "off_course": 1.0,
+        }
 
     assert verdicts("herd-zigzag", published) == [True] * 3
-    assert verdicts("herd-zigzag", lambda _: {**WELL, "collisions": 0.0, "user_away": 1.0}) == [True, False, False]
+    assert verdicts("herd-zigzag", lambda _: {**WELL, "collisions": 0.0, "user_away": 1.0, "off_course": 1.0}) == [
+        True,
+        False,
+        False,
+    ]
 
 
 def test_obstacle() -> None:
