@@ -174,6 +174,20 @@ def test_a_control_that_does_not_hold_at_all_does_not_upset_physics() -> None:
         assert not ground.fleet.upright.all()
 
 
+def test_half_the_time_step_gives_the_same_speeds_and_flights() -> None:
+    """To 3 %: touchdown and lift-off are seen a step late, of 5 ms or of half of it."""
+    means = []
+    for timestep_s in (one_legged.TIMESTEP, one_legged.TIMESTEP / 2):
+        ground = build(lined_up(3), heights(3), timestep_s=timestep_s)
+        ground.fleet.desire_all(np.array([[1.0, 0.0], [2.0, 0.0], [3.0, 0.0]]))
+        ground.run(10.0)
+        start = ground.fleet.poses(ground.data)
+        ground.run(10.0)
+        means.append((ground.fleet.poses(ground.data) - start)[:, 0] / 10.0)
+        np.testing.assert_allclose(ground.fleet.durations[:, 1], 0.34, atol=2.1 * one_legged.TIMESTEP)
+    np.testing.assert_allclose(*means, rtol=0.03)
+
+
 def test_the_same_run_gives_the_same_numbers() -> None:
     first, second = (run(build(lined_up(3), heights(3)), np.tile([2.0, 0.0], (3, 1)), 3.0) for _ in range(2))
     np.testing.assert_array_equal(first, second)
