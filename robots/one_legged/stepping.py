@@ -40,10 +40,10 @@ LIMP_DAMPING = 0.05
 
 MOST_TORQUE = 300.0
 """N m at the hinges about x and y; ?: bounds what a robot does whose control does not hold."""
-MOST_TWIST = 40.0
-"""N m at the hinge about z; ?: likewise."""
+MOST_TWIST = 20.0
+"""N m at the hinge about z; ?: reached in the hardest turns; with more, a foot slips round under noisy control."""
 MOST_FORCE = 5000.0
-"""N along the leg; ?: likewise. No robot that runs upright reaches any of the three (docs/one_legged.md)."""
+"""N along the leg; ?: likewise. No robot that runs upright reaches this or `MOST_TORQUE`."""
 
 EACH = np.dtype(
     [
