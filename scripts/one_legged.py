@@ -61,7 +61,13 @@ def speeds() -> None:
 def changes() -> None:
     """How long robots at a steady speed take until they run within 0.2 m/s of a new velocity."""
     header("from", "to", "time to within 0.2 m/s, s", "upright of 16")
-    cases = [((0, 0), (2, 0)), ((2, 0), (3, 0)), ((3, 0), (1.5, 0)), ((2, 0), (0, 0)), ((2, 0), (1.41, 1.41))]
+    cases: list[tuple[tuple[float, float], tuple[float, float]]] = [
+        ((0, 0), (2, 0)),
+        ((2, 0), (3, 0)),
+        ((3, 0), (1.5, 0)),
+        ((2, 0), (0, 0)),
+        ((2, 0), (1.41, 1.41)),
+    ]
     cases += [((1.41, 1.41), (1.41, -1.41)), ((2, 0), (0, 2)), ((2, 0), (-2, 0)), ((3, 0), (-3, 0))]
     for before, after in cases:
         ground = side_by_side()
