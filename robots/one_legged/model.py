@@ -47,6 +47,7 @@ RADIUS = sqrt(2.0 * BODY_INERTIA[2] / BODY_MASS)  # m; D: of a uniform upright c
 HEIGHT = sqrt(12.0 * BODY_INERTIA[0] / BODY_MASS - 3.0 * RADIUS**2)  # m of the same cylinder; D
 HULL_DEPTH = 0.45  # m below the hip that its outline reaches, a capsule; ?: it meets walls half a metre high
 LYING_FRICTION = 0.5  # of the body on the floor when it has fallen; ?
+LYING_TURNING = 0.05  # m, against turning and rolling there: a sphere stands for what is no sphere; ?
 TIMESTEP = 0.005  # s, the greatest at which the robot is simulated; ?: at 0.01 s it falls (docs/one_legged.md)
 
 JOINTS = ("hip_x", "hip_y", "hip_z", "leg")
@@ -75,7 +76,8 @@ def spec() -> mujoco.MjSpec:
     )  # fmt: skip
     base.add_geom(
         name="lying", type=mujoco.mjtGeom.mjGEOM_SPHERE, size=(RADIUS, 0, 0), contype=0, conaffinity=FLOOR_MASK,
-        mass=0.0, condim=3, priority=1, friction=(LYING_FRICTION, 0, 0), rgba=(0, 0, 0, 0), group=3, userdata=DARK,
+        mass=0.0, condim=6, priority=1, friction=(LYING_FRICTION, LYING_TURNING, LYING_TURNING), rgba=(0, 0, 0, 0),
+        group=3, userdata=DARK,
     )  # fmt: skip
     base.add_geom(
         name="hull", type=mujoco.mjtGeom.mjGEOM_CAPSULE, size=(RADIUS, HULL_DEPTH / 2, 0), pos=(0, 0, -HULL_DEPTH / 2),

@@ -22,7 +22,7 @@ PHASES = FLIGHT, LOADING, THRUST, FALLEN = range(4)
 CAUSES = ("", "body low", "tilt", "hip at its stop", "not finite")
 """Why a robot fell; the first: it is upright."""
 LOW = 0.4
-"""m: a body whose centre is lower has fallen; ?: in the deepest stance at 3 m/s it is at 0.57 m."""
+"""m: a body whose centre is lower has fallen; ?: one that runs is never below 0.55 m."""
 TILT = math.radians(60.0)
 """rad: a body that leans further has fallen; ?."""
 SHORTEST_FLIGHT = 0.05
@@ -41,9 +41,9 @@ LIMP_DAMPING = 0.05
 MOST_TORQUE = 300.0
 """N m at the hinges about x and y; ?: bounds what a robot does whose control does not hold."""
 MOST_TWIST = 20.0
-"""N m at the hinge about z; ?: likewise."""
+"""N m at the hinge about z; ?: reached in the hardest turns; with more, a foot slips round under noisy control."""
 MOST_FORCE = 5000.0
-"""N along the leg; ?: likewise. A robot that runs upright does not reach it."""
+"""N along the leg; ?: likewise. No robot that runs upright reaches this or `MOST_TORQUE`."""
 
 EACH = np.dtype(
     [

@@ -161,7 +161,7 @@ def test_all_lasers_scan_one_plane() -> None:
 
 
 def test_its_radius_is_its_hulls(body: Body) -> None:
-    """The greatest distance from its axis of what meets walls: of a sphere, or an upright capsule, the centre's distance
+    """The greatest distance from its axis of what meets walls: of a sphere or an upright capsule, the centre's distance
     and its radius."""
     model = body.spec().compile()
     hulls = np.flatnonzero((model.geom_contype | model.geom_conaffinity) & physics.HULL_MASK)
