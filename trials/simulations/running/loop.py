@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import importlib
 import math
+from collections.abc import Callable
 from pathlib import Path
 from time import perf_counter
 from typing import NamedTuple
@@ -20,6 +21,7 @@ from flocking.parameters import declared
 from flocking.types import Floats
 from robots import body as bodies
 from trials.simulations import watch
+from trials.simulations.contract import StoppedError
 from trials.simulations.running import fields, herd, script
 from trials.simulations.running.creatures import Creatures, DivergedError, Legged, Particles
 from trials.simulations.running.measures import measure
@@ -64,7 +66,7 @@ def run_trial(trial: Trial, scans: str = "none", reraise: bool = False, folder: 
             raise
         outcome, reason = "failed", " ".join(str(error).split())
     finished = perf_counter()
-    result = _result(trial, creatures, touching, ran, outcome, reason)
+    result = result_of(trial, creatures, touching, ran, outcome, reason)
     found = measure(result, int(touching.found[0]), float(touching.closest[0])) if outcome == "done" else {}
     timing = {"build_s": ready - began, "loop_s": finished - ready}
     return dataclasses.replace(result, measures=found, timing=timing)
@@ -98,8 +100,14 @@ def built(trial: Trial) -> Creatures:
     return Legged(mind, ground, given.timestep_s, rng)
 
 
-def run(trial: Trial, creatures: Creatures, touching: Touching) -> Ran:
-    """Runs all steps of a trial. Raises `LawFailedError` and `DivergedError`."""
+def run(
+    trial: Trial, creatures: Creatures, touching: Touching, told: Callable[[float], script.Leg] | None = None
+) -> Ran:
+    """Runs all steps of a trial. Raises `LawFailedError` and `DivergedError`.
+
+    `told`: asked at every look, with the time (s), how the user's creature is to run in place of the trial's script; the
+    run ends where it raises `StoppedError`.
+    """
     given, group = fields.of_trial(trial), fields.group_of(trial)
     own, mind, dt = fields.of_group(group), creatures.mind, given.timestep_s
     count, steps, legs = group.count, fields.steps_of(trial), script.parse(given.script)
@@ -112,7 +120,13 @@ def run(trial: Trial, creatures: Creatures, touching: Touching) -> Ran:
     times, poses_w, disc = [], [], np.empty((0, 3))
     leg = legs[0]
     for step, end in zip(ends, [*ends[1:], steps], strict=True):
-        leg = changes.get(step, leg) if step >= begins else legs[0]
+        if told is None:
+            leg = changes.get(step, leg) if step >= begins else legs[0]
+        elif step % given.refresh_steps == 0:
+            try:
+                leg = told(step * dt)
+            except StoppedError:
+                steps = step
         if own.users:
             mind.send(0, np.array([leg.x_m_s, leg.y_m_s]))
         if step == begins:
@@ -148,7 +162,10 @@ def _disc(mind: HerdMind, leg: script.Leg, given: fields.TrialFields) -> Floats:
     return np.array([[*(centre + given.obstacle_ahead_m * ahead), given.obstacle_radius_m]])
 
 
-def _result(trial: Trial, creatures: Creatures, touching: Touching, ran: Ran, outcome: str, reason: str) -> TrialResult:
+def result_of(
+    trial: Trial, creatures: Creatures, touching: Touching, ran: Ran, outcome: str, reason: str
+) -> TrialResult:
+    """What a run has left, not measured yet."""
     group, given = fields.group_of(trial), fields.of_trial(trial)
     count, kept = group.count, min(int(touching.found[0]), MOST_TOUCHES)
     poses_w = ran.poses_w.copy()

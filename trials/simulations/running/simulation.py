@@ -9,7 +9,7 @@ from flocking import lawentry
 from flocking.parameters import filled
 from trials.rows import Section, section
 from trials.simulations import spread
-from trials.simulations.contract import Simulation
+from trials.simulations.contract import Rider, Simulation
 from trials.simulations.running import fields, herd
 from trials.simulations.running.measures import ABOUT, KEY_MEASURES
 from trials.types import Group, Trial, TrialResult, with_setup
@@ -38,6 +38,13 @@ def run_trial(trial: Trial, scans: str, reraise: bool, folder: Path | None) -> T
     from trials.simulations.running import loop
 
     return loop.run_trial(trial, scans, reraise, folder)
+
+
+def steered(trial: Trial, rider: Rider) -> TrialResult:
+    """See `live.run_steered`."""
+    from trials.simulations.running import live
+
+    return live.run_steered(trial, rider)
 
 
 def record(result: TrialResult, path: Path) -> None:
@@ -96,4 +103,5 @@ SIMULATION = Simulation(
     at_step=at_step,
     listed=listed,
     constants=constants,
+    steered=steered,
 )
