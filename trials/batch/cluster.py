@@ -132,13 +132,13 @@ def _client(address: str) -> Any:
         raise InputError(f"--cluster {address!r}: expected the address of a scheduler, as in tcp://192.168.1.5:8786")
     _check_certificates(address)
 
-    class Client(distributed.Client):  # type: ignore[misc]
+    class Client(distributed.Client):
         """One that waits no longer than that for what takes its connection and stays silent."""
 
         def start(self, **given: Any) -> None:
             super().start(callback_timeout=GREET_S, **given)
 
-    client = Client.__new__(Client)
+    client: Any = Client.__new__(Client)
     try:
         with warnings.catch_warnings(action="ignore"):  # versions are compared here
             client.__init__(address, timeout=CONNECT_S, set_as_default=False)
