@@ -123,6 +123,13 @@ def test_a_cone_seen_for_the_first_time_is_told_of_with_distance_and_bearing_alo
     assert np.diff(result.updates.input_starts)[first].tolist() == [1]
 
 
+def test_robots_with_eyes_have_time_for_their_images() -> None:
+    """A pair takes 0.02 s where nothing else is at work: a limit of fewer than ten times that would end sound trials."""
+    eyes, perfect = pair(seconds_=60.0, rate_hz=10.0), pair("perfect", seconds_=60.0, rate_hz=10.0)
+    own = simulations.of(eyes)
+    assert own.limit_s(eyes) - own.limit_s(perfect) > 10 * 0.02 * 2 * 600
+
+
 def test_perfect_detection_is_exact_by_its_own_measure() -> None:
     result = simulations.run_trial(pair("perfect"), reraise=True)
     # positions are kept as 32-bit numbers, and robots move by less than a millimetre between two samples
