@@ -124,7 +124,7 @@ def test_a_cone_seen_for_the_first_time_is_told_of_with_distance_and_bearing_alo
 
 
 def test_robots_with_eyes_have_time_for_their_images() -> None:
-    """A pair takes 0.02 s where nothing else is at work: a limit of fewer than ten times that would end sound trials."""
+    """A pair takes 0.02 s where nothing else is at work: a limit below ten times that would end sound trials."""
     eyes, perfect = pair(seconds_=60.0, rate_hz=10.0), pair("perfect", seconds_=60.0, rate_hz=10.0)
     own = simulations.of(eyes)
     assert own.limit_s(eyes) - own.limit_s(perfect) > 10 * 0.02 * 2 * 600
