@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import importlib
 import math
+from collections.abc import Callable
 from pathlib import Path
 from time import perf_counter
 from typing import NamedTuple
@@ -98,8 +99,11 @@ def built(trial: Trial) -> Creatures:
     return Legged(mind, ground, given.timestep_s, rng)
 
 
-def run(trial: Trial, creatures: Creatures, touching: Touching) -> Ran:
-    """Runs all steps of a trial. Raises `LawFailedError` and `DivergedError`."""
+def run(trial: Trial, creatures: Creatures, touching: Touching, kept: Callable[[], None] | None = None) -> Ran:
+    """Runs all steps of a trial; `kept` is called at each moment that is kept.
+
+    Raises `LawFailedError` and `DivergedError`.
+    """
     given, group = fields.of_trial(trial), fields.group_of(trial)
     own, mind, dt = fields.of_group(group), creatures.mind, given.timestep_s
     count, steps, legs = group.count, fields.steps_of(trial), script.parse(given.script)
@@ -123,6 +127,8 @@ def run(trial: Trial, creatures: Creatures, touching: Touching) -> Ran:
         if step % every == 0 or step == steps:
             times.append(step * dt)
             poses_w.append(creatures.poses())
+            if kept is not None:
+                kept()
         if step == steps:
             break
         if step % given.refresh_steps == 0:
