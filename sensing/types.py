@@ -43,14 +43,18 @@ class Images(NamedTuple):
 
 
 class ScanTruth(NamedTuple):
-    """What no robot can know: which beam hit whom. For ground truth and recordings only."""
+    """What no robot can know: which beam hit whom. For ground truth and recordings only.
+
+    Of images, B = 2W columns stand in place of the beams: those of the left image, then those of the right one.
+    """
 
     owners: Ints
-    """(B,) index of the robot that made the reading; −1 = a wall, nothing, or a reading between two surfaces."""
+    """(B,) index of the robot that made the reading, or whose cone the column shows; −1 = a wall, nothing, or a reading
+    between two surfaces."""
     ranges: Floats
     """(B,) exact distance along each beam without noise, m; inf = nothing in range. (0,) where nobody reads them."""
     lit: Ints
-    """(N,) beams that fell on each robot (before drop-outs and mixing)."""
+    """(N,) beams that fell on each robot (before drop-outs and mixing); columns that show its cone."""
 
 
 class WorldTruth(NamedTuple):

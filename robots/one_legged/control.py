@@ -20,7 +20,7 @@ GRAVITY = 9.81
 
 
 class Gains(NamedTuple):
-    """Of the control. All are choices: a prototype stayed upright with them from 0 to 3 m/s."""
+    """Of the control. All are choices; docs/one_legged.md tells what came of them."""
 
     spring: float = 16000.0
     """N/m, of the leg in stance."""

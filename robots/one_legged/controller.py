@@ -12,7 +12,7 @@ from flocking.compilation import compiled
 from flocking.types import Kind
 
 MAX_SPEED = 3.5
-"""m/s; ?: of a command. A prototype stayed upright to 3 m/s; the robot runs a little slower than it is told."""
+"""m/s; ?: of a command. The published tests go to 3 m/s; the robot runs a hundredth faster than it is told."""
 APPROACH_TIME = 1.0
 """s; ?: towards a way-point at distance d the speed is at most d / this: two hops."""
 ARRIVED = 0.1

@@ -35,9 +35,9 @@ class Labelled(NamedTuple):
     robots: NDArray[np.integer]
     """(H, W) the same of robots as a whole, their cones included."""
     bearings: Floats
-    """(N,) of the cones' axes in the body frame of who took it, rad."""
+    """(N,) of the cones' axes in the body frame of who took it, rad; of a robot without a cone, of its centre."""
     distances: Floats
-    """(N,) from the camera to the cones' near sides, m."""
+    """(N,) from the camera to the cones' near sides, m; to the centre of a robot without a cone."""
 
 
 def coco(pictures: Iterable[Labelled], description: str = "") -> dict[str, Any]:

@@ -34,7 +34,9 @@ LEVEL = math.radians(1.0)
 """A camera's axis may lean by this much: in a camera that leans more, a column is no bearing."""
 
 EQUAL_ANGLE, LENS = ASSUMPTIONS = ("equal-angle", "lens")
-OFFSETS = CAMERA, NONE = ("camera", "none")
+OFFSETS = CAMERA, MIDDLE, NONE = ("camera", "middle", "none")
+"""Where places are told from: the robot's centre, each camera where it is; the middle between both cameras, where it is
+in the distance that counts from a lens; or the robot's centre as if both cameras were there."""
 RANGES = ("calibrated", "published")
 
 # the fields of the pipelines' parameters, each declared once
@@ -155,7 +157,9 @@ def gaze(
         half = (edges[:, :1] - edges[:, -1:]) / 2.0
         edges = half * np.linspace(1.0, -1.0, edges.shape[1])
     mounts = np.array(camera_mounts(member_model))
-    if offset == NONE:
+    if offset == MIDDLE:
+        mounts[:, :2] -= mounts[:, :2].mean(axis=0)
+    elif offset == NONE:
         mounts[:, :2] = 0.0
     none = np.empty((0, 0), np.uint8)
     return Gaze(

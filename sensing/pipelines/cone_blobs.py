@@ -20,6 +20,7 @@ from sensing.camera.blobs import sighted_blobs
 from sensing.camera.colours import HSV
 from sensing.camera.cones import RADIUS_M
 from sensing.camera.runs import LARGEST_HOLE_PX
+from sensing.camera.segmentation import Labels
 from sensing.camera.tracking import NO_TRACKS, Settings, Tracks, followed, moved
 from sensing.types import Detection, Senses
 
@@ -44,7 +45,7 @@ class Parameters(NamedTuple):
     pixels_per_degree: looking.Assumption = looking.LENS
     """`equal-angle`: the same for all columns, whatever the lens (5.12); `lens`: each column's own bearing."""
     offset: looking.Offset = looking.CAMERA
-    """Where distances are counted from: each `camera`, or (`none`) the robot's centre."""
+    """Where places are told from (`looking.OFFSETS`)."""
     top_speed_m_s: Annotated[float, Parameter("m/s", "choice: the Create's 0.5, the Pioneer's 0.8", low=0.0)] = 0.8
     """No member is faster, and none is looked for farther away than this would take it."""
     bearing_noise_deg: Annotated[float, Parameter("deg", "choice: one pixel of an own turn unseen", low=1e-3)] = 1.0
@@ -71,6 +72,11 @@ class State(NamedTuple):
     """(2W,) which member each column of the last images made."""
     time: float
     """s, of the last images."""
+
+    @property
+    def labels(self) -> tuple[Labels, Labels]:
+        """(H, W) each, what every pixel of the last images was taken for."""
+        return self.gaze.labels
 
 
 def start(parameters: Parameters, member_model: mujoco.MjModel, member_height_m: float, angles: Floats) -> State:

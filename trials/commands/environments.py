@@ -218,3 +218,4 @@ def add_to(app: Typer) -> None:
     app.command("map")(map_)
     app.command()(plan)
     app.command()(pilot)
+    app.command()(watch)

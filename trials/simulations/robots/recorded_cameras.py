@@ -10,12 +10,11 @@ import rerun as rr
 import rerun.blueprint as rrb
 from numpy.typing import NDArray
 
-from flocking.angles import wrapped
 from flocking.types import Floats, Ints
 from trials.simulations import views
 from trials.simulations.columns import packed, series, times_column
 from trials.simulations.robots.measures import nearest_inputs
-from trials.simulations.robots.seen import cones_w
+from trials.simulations.robots.seen import exact_inputs
 from trials.types import Pictures, TrialResult
 
 SIDES = ("left", "right")
@@ -25,7 +24,7 @@ LONGEST_S = 60.0
 LEGEND = """
 - **images**: what the robot's cameras saw; **green**: the columns that made an input; *taken for*: the pixels that were
   taken for a cone's colour
-- **estimates**: of the nearest input, beside where the cone of the robot that it belongs to truly was
+- **estimates**: of the nearest input, beside the near side of the cone of the robot that it belongs to
 """
 
 
@@ -89,11 +88,9 @@ def _estimates(recording: rr.RecordingStream, result: TrialResult, k: int, name:
     nearest = nearest_inputs(updates)[mine]
     times, found = updates.times[mine], np.hypot(nearest[:, 0], nearest[:, 1])
     bearings = np.degrees(np.arctan2(nearest[:, 1], nearest[:, 0]))
-    true = cones_w(result, times) - updates.poses_w[mine][:, None, :2]
-    heading = updates.poses_w[mine, 2]
-    aside = wrapped(np.arctan2(true[..., 1], true[..., 0]) - heading[:, None])
-    away = np.hypot(true[..., 0], true[..., 1])
-    x, y = away * np.cos(aside), away * np.sin(aside)
+    exact = exact_inputs(result, times, updates.robots[mine], updates.poses_w[mine])
+    x, y = exact[..., 0], exact[..., 1]
+    aside, away = np.arctan2(y, x), np.hypot(x, y)
     to = np.hypot(x - nearest[:, :1], y - nearest[:, 1:])
     to[:, k] = np.inf
     which, row = np.where(np.isfinite(to), to, np.inf).argmin(axis=1), np.arange(len(mine))

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import dataclasses
-import math
 
 import mujoco
 
 from flocking.errors import InputError
 from flocking.herding.loop import no_touching
+from flocking.kinematic.herd import LawFailedError
 from flocking.types import Floats
 from trials.simulations.contract import Rider
 from trials.simulations.running import fields, herd, loop
-from trials.simulations.running.creatures import Creatures, Legged
+from trials.simulations.running.creatures import Creatures, DivergedError, Legged
 from trials.simulations.running.measures import measure
 from trials.simulations.running.script import Leg
 from trials.types import Trial, TrialResult, with_setup
@@ -45,7 +45,10 @@ def run_steered(trial: Trial, rider: Rider) -> TrialResult:
         return leg
 
     touching = no_touching(group.count, given.collision_m, loop.MOST_TOUCHES)
-    ran = loop.run(trial, creatures, touching, told)
+    try:
+        ran = loop.run(trial, creatures, touching, told=told)
+    except (LawFailedError, DivergedError) as error:
+        raise InputError(f"the herd ended: {' '.join(str(error).split())}") from None
     ride = "; ".join(f"{leg.from_s:g}: {leg.x_m_s:g}, {leg.y_m_s:g}" for leg in ridden) or given.script
     as_ridden = with_setup(trial, {"script": ride, "duration_s": max(float(ran.times[-1]), given.timestep_s)})
     result = loop.result_of(as_ridden, creatures, touching, ran, "done", "")

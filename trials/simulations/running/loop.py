@@ -101,12 +101,16 @@ def built(trial: Trial) -> Creatures:
 
 
 def run(
-    trial: Trial, creatures: Creatures, touching: Touching, told: Callable[[float], script.Leg] | None = None
+    trial: Trial,
+    creatures: Creatures,
+    touching: Touching,
+    kept: Callable[[], None] | None = None,
+    told: Callable[[float], script.Leg] | None = None,
 ) -> Ran:
-    """Runs all steps of a trial. Raises `LawFailedError` and `DivergedError`.
+    """Runs all steps of a trial; `kept` is called at each moment that is kept.
 
-    `told`: asked at every look, with the time (s), how the user's creature is to run in place of the trial's script; the
-    run ends where it raises `StoppedError`.
+    `told`: asked at every look, with the time (s), how the user's creature is to run in place of the trial's script;
+    the run ends where it raises `StoppedError`. Raises `LawFailedError` and `DivergedError`.
     """
     given, group = fields.of_trial(trial), fields.group_of(trial)
     own, mind, dt = fields.of_group(group), creatures.mind, given.timestep_s
@@ -137,6 +141,8 @@ def run(
         if step % every == 0 or step == steps:
             times.append(step * dt)
             poses_w.append(creatures.poses())
+            if kept is not None:
+                kept()
         if step == steps:
             break
         if step % given.refresh_steps == 0:

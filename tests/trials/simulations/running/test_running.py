@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import rerun as rr
 from numpy.testing import assert_allclose, assert_array_equal
 
 from flocking.errors import InputError
@@ -17,6 +18,7 @@ from flocking.types import Floats
 from trials import simulations
 from trials.simulations.running import fields, herd, loop, script
 from trials.simulations.running.creatures import Legged
+from trials.simulations.running.limbs import limbs_of, replayed
 from trials.simulations.running.measures import measure
 from trials.types import Trial, TrialResult
 
@@ -221,6 +223,24 @@ class TestRobots:
         # robots hop on from 2 m/s and keep it to a tenth
         assert x == pytest.approx(12.0, abs=1.2)
         assert abs(y) < 1.2
+
+    def test_a_recording_shows_their_limbs_where_they_were(self, tmp_path: Path) -> None:
+        own = trial(4, "one-legged", duration_s=0.6)
+        result = simulations.run_trial(own, reraise=True)
+        limbs = limbs_of("one-legged")
+        moments = replayed(own, limbs)
+        assert [limb.name for limb in limbs] == ["trunk", "thigh", "shin", "foot"]
+        assert moments.shape == (len(result.times), 4, 4, 7)
+        # the trunk's middle is the hip, which is where the robot is; single precision keeps 1e-6 of some metres
+        assert_allclose(moments[:, 0, :, :2], result.poses_w[:, :, :2], atol=1e-5)
+        assert_allclose(np.linalg.norm(moments[..., 3:], axis=-1), 1.0, atol=1e-5)
+        heights = moments[..., 2]
+        assert (heights[:, 0] > heights[:, 1]).all()
+        assert (heights[:, 1] > heights[:, 2]).all()
+        assert (heights[:, 2] > heights[:, 3]).all()
+        simulations.record(result, tmp_path / "a.rrd")
+        entities = {chunk.entity_path for chunk in rr.chunk.RrdReader(tmp_path / "a.rrd").stream()}
+        assert {f"/space/{limb.name}" for limb in limbs} <= entities
 
     def test_one_that_is_knocked_over_lies_where_it_fell_and_is_not_seen(self) -> None:
         own = trial(6, "one-legged", duration_s=3.0)
