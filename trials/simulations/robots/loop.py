@@ -52,6 +52,7 @@ def run_trial(
     from trials.simulations.robots.measures_eyes import eyes, has_eyes
     from trials.simulations.robots.measures_guided import guidance
     from trials.simulations.robots.measures_odometry import reckoned
+    from trials.simulations.robots.measures_splitting import splitting
 
     if scans not in ("none", "some", "all"):
         raise InputError(f"scans {scans!r}: expected none, some or all")
@@ -96,7 +97,7 @@ def run_trial(
     if herd.scenario is not None:
         found |= guidance(result)
     if has_eyes(trial):
-        found |= eyes(result)
+        found |= eyes(result) | splitting(result)
     if any(of_group(each).own_motion == ODOMETRY for each in trial.groups):
         found |= reckoned(result)
     found |= link.counts([robot.link for robot in herd.robots if robot.link is not None])
@@ -161,6 +162,8 @@ def run(herd: Herd, log: Log, last: int) -> None:
         log.update(data.time, k, poses_w[k], detection, selected, judgement, motion, command)
         if keep and senses.scan is not None:
             log.scan(data.time, k, poses_w[k], senses.scan)
+        if keep and senses.echoes is not None:
+            log.listened(data.time, k, poses_w[k], senses.echoes, detection.obstacles)
         if keep and senses.images is not None:
             log.pictures.keep(k, senses.images, detection, robot.taken_for())
 

@@ -33,6 +33,8 @@ from trials.types import Group
 
 LASER = frozenset({"scan", "intensity", "owners"})
 """What of a robot's senses comes from a laser."""
+SONAR = "sonar"
+"""Name of a ring of sonars among the mounts of a body."""
 
 
 class Wanted(NamedTuple):
@@ -141,6 +143,16 @@ class Resolved:
         return "images" in self.pipeline_reads
 
     @property
+    def reads_echoes(self) -> bool:
+        """Whether the member detection makes obstacles of a sonar's echoes, on a body that has one."""
+        return "echoes" in self.pipeline_reads
+
+    @property
+    def hears(self) -> bool:
+        """Whether its robots' sonars are read: they have some, and somebody asks for the obstacles."""
+        return self.reads_echoes and SONAR in self.body.mounts and "obstacles" in self.wanted.needs
+
+    @property
     def reads_laser(self) -> bool:
         """Whether the member detection reads a laser."""
         return bool(self.pipeline_reads & LASER)
@@ -162,6 +174,8 @@ class Resolved:
         if self.avoids:
             needs |= {"obstacles"}
         has = given_by(self.pipeline)
+        if self.reads_echoes and SONAR in self.body.mounts:
+            has |= {"obstacles"}
         missing = needs - has - OF_ITSELF
         inferable = missing & INFERRED if self.associates and "positions" in has else frozenset()
         return Wanted(needs, missing, inferable, bool(needs & {"compass", "goal"}) or bool(inferable))

@@ -19,6 +19,7 @@ from trials.simulations.robots import (
     measures_eyes,
     measures_guided,
     measures_odometry,
+    measures_splitting,
     worldfile,
 )
 from trials.simulations.robots.measures import ABOUT, HEADINGS, KEY_MEASURES
@@ -119,6 +120,7 @@ SIMULATION = Simulation(
         **judged.ABOUT,
         **measures_guided.ABOUT,
         **measures_eyes.ABOUT,
+        **measures_splitting.ABOUT,
         **measures_odometry.ABOUT,
         **link.ABOUT,
     },
