@@ -144,12 +144,12 @@ class Resolved:
 
     @property
     def reads_echoes(self) -> bool:
-        """Whether the member detection makes obstacles of a sonar's echoes, on a body that has one."""
+        """Whether the member detection makes obstacles of what sonars hear, where the body has some."""
         return "echoes" in self.pipeline_reads
 
     @property
     def hears(self) -> bool:
-        """Whether its robots' sonars are read: they have some, and somebody asks for the obstacles."""
+        """Whether its robots' sonars are read: they have some, and its law or its avoidance asks for obstacles."""
         return self.reads_echoes and SONAR in self.body.mounts and "obstacles" in self.wanted.needs
 
     @property
