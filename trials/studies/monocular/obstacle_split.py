@@ -11,9 +11,17 @@ The robots start in two columns in line of the post, so that it divides them; th
 from __future__ import annotations
 
 import dataclasses
+import itertools
+from pathlib import Path
 
+from flocking.measures import formation
 from flocking.parameters import Parameter
+from trials.evidence.runs import Run
+from trials.reports import figures as draw
+from trials.reports.arms import by_arm, panels
+from trials.reports.figures import Figure, Place
 from trials.simulations.robots.fields import AVOID, trial
+from trials.simulations.robots.measures_splitting import REACH_M
 from trials.studies.monocular.design import HERD, LAW, from_the_lens, seeing
 from trials.studies.monocular.flock_claims import COUNT, ONE, PERFECT, PIPELINE
 from trials.studies.monocular.monocular_flock import VIEW
@@ -66,4 +74,29 @@ def finish(trial: Trial) -> Trial:
     return dataclasses.replace(trial, groups=(herd,))
 
 
-__all__ = ["CONDITIONS", "KEY_MEASURES", "RECORD", "REPEATS", "SOURCES", "base", "finish"]
+def figures(run: Run, folder: Path) -> list[Figure]:
+    """The ways in the first trial of each cell, and how many flocks there were at each time."""
+    return by_arm(run, folder, tuple(CONDITIONS), _figures)
+
+
+def _figures(run: Run, place: Place) -> list[Figure]:
+    cells = list(itertools.product(*CONDITIONS.values()))
+    wanted = [(f"{world}, {count}, {pipeline}", (world, count, pipeline)) for world, count, pipeline in cells]
+    shown = panels(run, [(told, dict(zip(CONDITIONS, cell, strict=True))) for told, cell in wanted])
+    ways = draw.save(
+        draw.trajectories(shown, columns=2), place, "ways", "Ways", "First trials; a dot where each robot ends."
+    )
+    canvas, axes = draw.grid(len(shown), 4, width=9.6, height=1.8)
+    for axis, (told, result) in zip(axes, shown, strict=True):
+        axis.set_title(told.replace(", ", ",\n", 1), loc="left", fontsize=7)
+        if result is None or len(result.times) == 0:
+            draw.absent(axis)
+            continue
+        axis.step(result.times, formation.number_of_groups(result.poses_w[..., :2], REACH_M), color="black", lw=1.0)
+        axis.set_ylim(0.0, len(result.robot_names) + 0.5)
+        axis.set_xlabel("time (s)")
+    caption = "Numbers of flocks in the first trials. Flocks are divided by gaps of more than eight feet."
+    return [ways, draw.save(canvas, place, "flocks", "Flocks over time", caption)]
+
+
+__all__ = ["CONDITIONS", "KEY_MEASURES", "RECORD", "REPEATS", "SOURCES", "base", "figures", "finish"]
