@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import mujoco
+import numpy as np
+
 from flocking.compilation import compiled
 from flocking.types import Floats, Ints
+from robots.physics import HULL_MASK
 
 UNOWNED = -1
 """Owner of a geom that is neither part of a hull nor a wall (floor, wheels, casters)."""
@@ -17,6 +21,14 @@ FORCE = 0.5
 """N with which two must press on one another to be said to touch: what presses a bumper's switch
 (robots/create/bumpers.py). MuJoCo lists contacts from a few millimetres' distance on, where there is no force yet.
 A choice."""
+
+
+def hulls_of(model: mujoco.MjModel, roots: Ints) -> Ints:
+    """(ngeom,) for each geom which of the robots with these root bodies (N,) it is a hull of, else `UNOWNED`."""
+    robots = {int(root): k for k, root in enumerate(roots)}
+    is_hull = model.geom_contype & HULL_MASK > 0
+    owners = [robots.get(int(body), UNOWNED) for body in model.geom_bodyid]
+    return np.where(is_hull, np.array(owners, dtype=np.int64), UNOWNED)
 
 
 @compiled

@@ -12,10 +12,9 @@ import numpy as np
 from flocking.compilation import compiled
 from flocking.errors import InputError
 from flocking.types import Bools, Floats, Ints
-from robots import touching
+from robots import planar, touching
 from robots.create import bumpers, drive, odometry
 from robots.create.model import DIMENSIONS, Dimensions
-from robots.physics import HULL_MASK
 
 _EACH = np.dtype(
     [
@@ -90,7 +89,7 @@ class Fleet:
         self._each: Any = each
         self._all: Any = np.array([(*gear, polling_s, 0.0, timestep, 0.0, ramp)], dtype=_ALL)
         self._ring = bumpers.recorded(dimensions.ring)
-        self._hulls = _hulls(model, bodies)
+        self._hulls = touching.hulls_of(model, bodies)
         self._linear = first.reshape(-1, 1) + np.arange(2)
         self.pressing: Floats = np.zeros((count, 2))
         """(N, 2) N that press on the left and the right bumper since the last step."""
@@ -124,7 +123,7 @@ class Fleet:
     def poses(self, data: mujoco.MjData) -> Floats:
         """(N, 3) true x, y (m) and heading (rad, in (−π, π]) of all robots, at `data.time`."""
         poses = np.empty((len(self._each), 3))
-        _poses(self._each, data.qpos, poses)
+        planar.write_poses(self._each, data.qpos, poses)
         return poses
 
     def velocities(self, data: mujoco.MjData) -> Floats:
@@ -178,14 +177,6 @@ class Fleet:
         return latched
 
 
-def _hulls(model: mujoco.MjModel, roots: Ints) -> Ints:
-    """(ngeom,) for each geom which of the robots it is the hull of, else `UNOWNED`."""
-    robots = {int(root): k for k, root in enumerate(roots)}
-    is_hull = model.geom_contype & HULL_MASK > 0
-    owners = [robots.get(int(body), touching.UNOWNED) for body in model.geom_bodyid]
-    return np.where(is_hull, np.array(owners, dtype=np.int64), touching.UNOWNED)
-
-
 @compiled
 def _own(each: Any, shared: Any, k: int, motion: Floats, contacts: Bools) -> None:
     robot = each[k]
@@ -206,17 +197,11 @@ def _meant(each: Any, shared: Any, k: int, motion: Floats) -> None:
     if steps > 0.0:
         left, right = fleet.wheel_radius * robot.meant_way[0], fleet.wheel_radius * robot.meant_way[1]
         distance, angle = drive.twist(fleet, left, right)
-        _move(robot.meant_pose, distance, angle)
+        odometry.move(robot.meant_pose, distance, angle)
         robot.meant_way[0], robot.meant_way[1], robot.meant_step = 0.0, 0.0, fleet.steps
         robot.meant_rates[0] = distance / (steps * fleet.timestep)
         robot.meant_rates[1] = angle / (steps * fleet.timestep)
     motion[0], motion[1], motion[2] = robot.meant_rates[0], 0.0, robot.meant_rates[1]
-
-
-@compiled
-def _move(pose: Floats, distance: float, angle: float) -> None:
-    x, y, heading = odometry.moved(pose[0], pose[1], pose[2], distance, angle)
-    pose[0], pose[1], pose[2] = x, y, heading
 
 
 @compiled
@@ -265,7 +250,7 @@ def _polled(each: Any, shared: Any, time: float, qpos: Floats, pairs: Ints, hull
             distance_mm, angle_deg = odometry.request(fleet, left_then - robot.polled[0], right_then - robot.polled[1])
             robot.polled[0], robot.polled[1] = left_then, right_then
             distance, angle = 0.001 * distance_mm, math.radians(angle_deg)
-            _move(robot.pose, distance, angle)
+            odometry.move(robot.pose, distance, angle)
             robot.distance += distance
             robot.turn += angle
             robot.requests += 1.0
@@ -301,12 +286,3 @@ def _felt(
             robot.pressed[side] = 1 if pressing[k, side] > bumpers.FORCE else 0
             robot.latched[side] |= robot.pressed[side]
     return pressed
-
-
-@compiled
-def _poses(each: Any, qpos: Floats, poses: Floats) -> None:
-    for k in range(len(each)):
-        at = each[k].root
-        w, x, y, z = qpos[at + 3], qpos[at + 4], qpos[at + 5], qpos[at + 6]
-        poses[k, 0], poses[k, 1] = qpos[at], qpos[at + 1]
-        poses[k, 2] = math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))

@@ -14,6 +14,7 @@ from __future__ import annotations
 import math
 
 from flocking.compilation import compiled
+from flocking.types import Floats
 from robots.create.drive import Gear
 
 POLLING = 0.015
@@ -41,3 +42,9 @@ def moved(x: float, y: float, heading: float, distance: float, angle: float) -> 
     """The pose (m, m, rad) after `distance` (m) along an arc through `angle` (rad), by its chord's direction."""
     middle = heading + 0.5 * angle
     return x + distance * math.cos(middle), y + distance * math.sin(middle), heading + angle
+
+
+@compiled
+def move(pose: Floats, distance: float, angle: float) -> None:
+    """Changes the pose (3,), m, m, rad, as `moved` does."""
+    pose[0], pose[1], pose[2] = moved(pose[0], pose[1], pose[2], distance, angle)

@@ -22,9 +22,8 @@ import numpy as np
 from flocking.compilation import compiled
 from flocking.errors import InputError
 from flocking.types import Bools, Floats, Ints
-from robots import touching
+from robots import planar, touching
 from robots.create import bumpers, drive, odometry
-from robots.physics import HULL_MASK
 from robots.pioneer import model as pioneer
 
 _EACH = np.dtype(
@@ -95,7 +94,7 @@ class Fleet:
             [(*pioneer.GEAR, step, *ramps, pioneer.CATCH_UP, pioneer.MOST_LAG, pioneer.HULL_X, pioneer.BUMPER_OVERLAP)],
             dtype=_ALL,
         )
-        self._hulls = _hulls(model, bodies)
+        self._hulls = touching.hulls_of(model, bodies)
         self._linear = first.reshape(-1, 1) + np.arange(2)
         self.pressing: Floats = np.zeros((count, 4))
         """(N, 4) N that press on the bumpers since the last step: front left and right, rear left and right."""
@@ -125,7 +124,7 @@ class Fleet:
     def poses(self, data: mujoco.MjData) -> Floats:
         """(N, 3) true x, y (m) and heading (rad, in (−π, π]) of all robots, at `data.time`."""
         poses = np.empty((len(self._each), 3))
-        _poses(self._each, data.qpos, poses)
+        planar.write_poses(self._each, data.qpos, poses)
         return poses
 
     def velocities(self, data: mujoco.MjData) -> Floats:
@@ -163,14 +162,6 @@ class Fleet:
     def rear_bumpers(self) -> Bools:
         """(N, 2) left and right of the rear bumper pressed now."""
         return self._each["pressed"][:, 2:] > 0
-
-
-def _hulls(model: mujoco.MjModel, roots: Ints) -> Ints:
-    """(ngeom,) for each geom which of the robots it is a hull of, else `UNOWNED`."""
-    robots = {int(root): k for k, root in enumerate(roots)}
-    is_hull = model.geom_contype & HULL_MASK > 0
-    owners = [robots.get(int(body), touching.UNOWNED) for body in model.geom_bodyid]
-    return np.where(is_hull, np.array(owners, dtype=np.int64), touching.UNOWNED)
 
 
 @compiled
@@ -215,17 +206,11 @@ def _counted(each: Any, shared: Any, qpos: Floats, pairs: Ints, hulls: Ints) -> 
             lag = robot.lag[side] - moved[side]
             robot.lag[side] = min(max(lag, -fleet.most_lag), fleet.most_lag)
         distance, turn = drive.twist(fleet, fleet.wheel_radius * moved[0], fleet.wheel_radius * moved[1])
-        _move(robot.pose, distance, turn)
+        odometry.move(robot.pose, distance, turn)
         robot.distance += distance
         robot.turn += turn
         robot.elapsed += fleet.timestep
     return touching.any_hull(pairs, hulls)
-
-
-@compiled
-def _move(pose: Floats, distance: float, angle: float) -> None:
-    x, y, heading = odometry.moved(pose[0], pose[1], pose[2], distance, angle)
-    pose[0], pose[1], pose[2] = x, y, heading
 
 
 @compiled
@@ -245,7 +230,7 @@ def _meant(each: Any, k: int, motion: Floats) -> None:
     robot = each[k]
     if robot.meant_time > 0.0:
         distance, angle = robot.meant_way[0], robot.meant_way[1]
-        _move(robot.meant_pose, distance, angle)
+        odometry.move(robot.meant_pose, distance, angle)
         robot.meant_rates[0], robot.meant_rates[1] = distance / robot.meant_time, angle / robot.meant_time
         robot.meant_way[0], robot.meant_way[1], robot.meant_time = 0.0, 0.0, 0.0
     motion[0], motion[1], motion[2] = robot.meant_rates[0], 0.0, robot.meant_rates[1]
@@ -288,12 +273,3 @@ def _felt(
         for side in range(2):
             robot.latched[side] |= robot.pressed[side]
     return pressed
-
-
-@compiled
-def _poses(each: Any, qpos: Floats, poses: Floats) -> None:
-    for k in range(len(each)):
-        at = each[k].root
-        w, x, y, z = qpos[at + 3], qpos[at + 4], qpos[at + 5], qpos[at + 6]
-        poses[k, 0], poses[k, 1] = qpos[at], qpos[at + 1]
-        poses[k, 2] = math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))

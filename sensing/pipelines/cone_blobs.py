@@ -20,6 +20,7 @@ from sensing.camera.blobs import sighted_blobs
 from sensing.camera.colours import HSV
 from sensing.camera.cones import RADIUS_M
 from sensing.camera.runs import LARGEST_HOLE_PX
+from sensing.camera.segmentation import Labels
 from sensing.camera.tracking import NO_TRACKS, Settings, Tracks, followed, moved
 from sensing.types import Detection, Senses
 
@@ -71,6 +72,11 @@ class State(NamedTuple):
     """(2W,) which member each column of the last images made."""
     time: float
     """s, of the last images."""
+
+    @property
+    def labels(self) -> tuple[Labels, Labels]:
+        """(H, W) each, what every pixel of the last images was taken for."""
+        return self.gaze.labels
 
 
 def start(parameters: Parameters, member_model: mujoco.MjModel, member_height_m: float, angles: Floats) -> State:

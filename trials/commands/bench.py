@@ -26,7 +26,7 @@ import numpy as np
 from flocking.errors import InputError
 from flocking.types import Floats
 from robots import body as bodies
-from trials.commands import bench_kinematic, bench_plan, bench_validation
+from trials.commands import bench_eyes, bench_kinematic, bench_plan, bench_validation
 from trials.commands.bench_figures import REPEATS, Figure, processor_s, repeated, timed, wall_s
 from trials.design import plan
 from trials.simulations.robots.fields import of_trial
@@ -177,6 +177,11 @@ def piloting() -> list[Figure]:
     return [Figure("a trial of piloting, 4 robots and 6 pilots", "x real time", rates, 30.0)]
 
 
+def eyes() -> list[Figure]:
+    """A robot that follows another by two cameras, on one core, where OpenGL is to be had: pairs of images a second."""
+    return bench_eyes.figures()
+
+
 def growth() -> list[Figure]:
     """Cost per robot as the herd and its world grow together."""
     costs: dict[int, tuple[float, ...]] = {}
@@ -310,6 +315,7 @@ MEASURES: Sequence[Callable[[], list[Figure]]] = (
     laser,
     floor_plan,
     piloting,
+    eyes,
     growth,
     recording,
     workers,

@@ -14,7 +14,7 @@ from numpy.testing import assert_allclose
 
 from flocking.errors import InputError
 from flocking.kinematic import plain
-from trials.commands import bench, bench_figures, bench_kinematic, bench_validation
+from trials.commands import bench, bench_eyes, bench_figures, bench_kinematic, bench_validation
 
 
 def test_every_measure_gives_finite_figures_that_are_saved_and_compared(
@@ -27,6 +27,8 @@ def test_every_measure_gives_finite_figures_that_are_saved_and_compared(
     monkeypatch.setattr(bench, "BATCH_SECONDS", 1.0)
     monkeypatch.setattr(bench, "BATCH_TRIALS", 6)
     monkeypatch.setattr(bench, "BATCHES", 1)
+    monkeypatch.setattr(bench_eyes, "SECONDS", 0.3)
+    monkeypatch.setattr(bench_eyes, "CALLS", 1)
     monkeypatch.setattr(bench_validation, "ENVIRONMENTS", 10)
     monkeypatch.setattr(bench, "GROUP_SIZES", (2, 4))
     monkeypatch.setattr(bench, "LARGE", 8)

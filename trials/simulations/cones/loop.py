@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from pathlib import Path
 from time import perf_counter
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -20,7 +20,7 @@ from sensing.camera.lens import column_angles
 from sensing.types import Images, Senses
 from trials.simulations.cones import fields
 from trials.simulations.cones.measures import ABOUT
-from trials.simulations.cones.scene import Scene, axis_of, blurred_over
+from trials.simulations.cones.scene import SHOWN_CONE, Scene, axis_of, blurred_over
 from trials.streams import Purpose, stream
 from trials.types import Trial, TrialResult, no_contacts, no_updates
 
@@ -40,6 +40,10 @@ class Look(NamedTuple):
     bearing_error: float
     false: int
     columns: int
+    pixels_found: float
+    """Share of the pixels that show the cone which the segmentation took for a cone's."""
+    pixels_false: float
+    """Share of the pixels taken for a cone's that show none."""
 
 
 def run_trial(trial: Trial, scans: str = "none", reraise: bool = False, folder: Path | None = None) -> TrialResult:
@@ -66,7 +70,9 @@ def run_trial(trial: Trial, scans: str = "none", reraise: bool = False, folder: 
         ):  # what follows cones looks twice
             seen = None if images is None else images._replace(time=float(number) + 0.1 * again)
             detection, state = pipeline.detect(Senses(None, None, images=seen), _at_rest(), state)
-        looks.append(_judged(given, scene, placed, detection.members.positions, detection.beams))
+        judged = _judged(given, scene, placed, detection.members.positions, detection.beams)
+        found_share, false_share = _pixels(given, scene, placed, getattr(state, "labels", None))
+        looks.append(judged._replace(pixels_found=found_share, pixels_false=false_share))
     measures = _measures(given, looks)
     return _result(trial, measures, looks, {"build_s": built - began, "loop_s": perf_counter() - built})
 
@@ -95,7 +101,7 @@ def _judged(given: fields.TrialFields, scene: Scene, placed: Floats, positions: 
     """The input nearest to the cone held against it; all that are far from it are false."""
     lens = np.array(scene.lens_xy)
     if not given.cone:
-        return Look(math.nan, math.nan, len(positions), 0)
+        return Look(math.nan, math.nan, len(positions), 0, math.nan, math.nan)
     axis = np.array(axis_of(scene.lens_xy, given.distance_m, given.bearing_deg)) + placed
     true, found_at = axis - lens, positions - lens
     away = float(np.hypot(*true)) - CONE_RADIUS
@@ -103,7 +109,7 @@ def _judged(given: fields.TrialFields, scene: Scene, placed: Floats, positions: 
     errors = np.array([wrap(float(each) - math.atan2(true[1], true[0])) for each in bearings])
     own = (np.abs(errors) <= ASIDE) if len(positions) else np.zeros(0, np.bool_)
     if not own.any():
-        return Look(math.nan, math.nan, len(positions), 0)
+        return Look(math.nan, math.nan, len(positions), 0, math.nan, math.nan)
     nearest = int(np.flatnonzero(own)[np.abs(distances[own] - away).argmin()])
     # distances are told as if each had been placed exactly: what placing adds is no error of the detection
     return Look(
@@ -111,7 +117,29 @@ def _judged(given: fields.TrialFields, scene: Scene, placed: Floats, positions: 
         abs(float(errors[nearest])),
         int((~own).sum()),
         int((columns == nearest).sum()),
+        math.nan,
+        math.nan,
     )
+
+
+def _pixels(given: fields.TrialFields, scene: Scene, placed: Floats, labels: Any) -> tuple[float, float]:
+    """Both shares of pixels of a look; `labels`: 0 where a pixel was taken for no colour, (H, W) of each image.
+
+    Of a cone that moves, by where it is in the middle of the exposure. nan where there is nothing to have a share of.
+    """
+    if labels is None:
+        return math.nan, math.nan
+    if given.cone:
+        scene.put(*placed)
+    shown = scene.cameras.shown(scene.data, 0)
+    cone = np.concatenate([shown.left, shown.right]) == SHOWN_CONE
+    taken = np.concatenate(list(labels)) > 0
+    right = int((taken & cone).sum())
+    return _share(right, int(cone.sum())), 1.0 - _share(right, int(taken.sum()))
+
+
+def _share(part: int, whole: int) -> float:
+    return part / whole if whole else math.nan
 
 
 def _measures(given: fields.TrialFields, looks: list[Look]) -> dict[str, float]:
@@ -121,6 +149,10 @@ def _measures(given: fields.TrialFields, looks: list[Look]) -> dict[str, float]:
     if given.cone:
         near = np.abs(table[:, 0] / given.distance_m - 1.0) <= NEAR  # nan compares false
         measures["detected"] = float(near.mean())
+    for name in ("pixels_found", "pixels_false"):
+        shares = table[:, Look._fields.index(name)]
+        if np.isfinite(shares).any():
+            measures[name] = float(np.nanmean(shares))
     if seen.any():
         distances = table[seen, 0]
         measures |= {

@@ -12,6 +12,8 @@ ABOUT: dict[str, Measure] = {
     "distance_deviation": Measure("m", "standard deviation of the distance from look to look"),
     "distance_deviates": Measure("", "amount of the error of a look, relative to the true distance: mean"),
     "bearing_error": Measure("rad", "amount of the error of the bearing: mean"),
+    "pixels_found": Measure("", "share of the cone's pixels that are taken for a cone's: mean over the looks"),
+    "pixels_false": Measure("", "share of the pixels that are taken for a cone's and show none: mean over the looks"),
     "run": Measure("px", "columns that made the nearest input: mean"),
 }
 KEY_MEASURES = ("detected", "false_inputs", "distance", "distance_error", "bearing_error")

@@ -16,6 +16,8 @@ from sensing.types import Picture
 from trials.simulations.cones.fields import TrialFields
 
 ROBOT, SHOWN = "eyes/", "shown/"
+SHOWN_CONE = 1
+"""Whose the cone's pixels are: the second of both."""
 BOARD = (0.02, 0.4)
 """m: thickness and height of the board that hides a part of the cone. A choice."""
 BEFORE_M = 0.03

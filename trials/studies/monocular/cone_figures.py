@@ -64,6 +64,7 @@ def _robustness(run: Run, place: Place) -> list[Figure]:
     found = []
     for measure, name, title in (
         ("detected", "detected", "Detection rate"),
+        ("pixels_found", "pixels", "Share of the cone's pixels"),
         ("false_inputs", "false", "False inputs a look"),
         ("distance_deviates", "distance-error", "Error of the distance"),
         ("bearing_error", "bearing-error", "Error of the bearing"),

@@ -26,7 +26,7 @@ SOURCES = {
     PIPELINE: Parameter("", "Kirchner 2006, sections 3.6.4 and 3.6.5; blobs are ours"),
     **{axis: Parameter("", "a choice") for axis in AXES},
 }
-KEY_MEASURES = ("detected", "false_inputs", "distance_deviates", "bearing_error")
+KEY_MEASURES = ("detected", "false_inputs", "distance_deviates", "bearing_error", "pixels_found")
 
 
 def cells(conditions: Mapping[str, Sequence[Any]]) -> list[dict[str, Value]]:

@@ -65,6 +65,17 @@ def test_a_pinhole_image_reads_too_far_in_its_middle() -> None:
     assert abs(by_lens["distance_error"]) < 0.15  # a pixel of the middle is a third of a degree
 
 
+def test_a_calibrated_segmentation_takes_the_cones_pixels_and_no_others() -> None:
+    plain = measured(looked())
+    # the ranges leave out the brightest and darkest hundredths, and pixels at the outline are of two colours
+    assert plain["pixels_found"] > 0.9
+    assert plain["pixels_false"] < 0.05
+    dark = measured(looked(light=0.2))
+    assert dark["pixels_found"] == 0.0
+    assert math.isnan(dark["pixels_false"])
+    assert math.isnan(measured(looked(cone=False))["pixels_found"])
+
+
 def test_where_no_cone_stands_nothing_is_detected() -> None:
     found = measured(looked(cone=False, distractors=8))
     assert found["false_inputs"] == 0.0
