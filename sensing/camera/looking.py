@@ -35,7 +35,9 @@ LEVEL = math.radians(1.0)
 """A camera's axis may lean by this much: in a camera that leans more, a column is no bearing."""
 
 EQUAL_ANGLE, LENS = ASSUMPTIONS = ("equal-angle", "lens")
-OFFSETS = CAMERA, NONE = ("camera", "none")
+OFFSETS = CAMERA, MIDDLE, NONE = ("camera", "middle", "none")
+"""Where places are told from: the robot's centre, each camera where it is; the middle between both cameras, where it is
+in the distance that counts from a lens; or the robot's centre as if both cameras were there."""
 RANGES = ("calibrated", "published")
 
 # the fields of the pipelines' parameters, each declared once
@@ -87,8 +89,8 @@ class Gaze(NamedTuple):
     minimum_run_px: int
     radius_m: float
     origin: Floats
-    """(2,) what places are counted from, m, body frame: the robot's centre, or midway between the cameras where their
-    places are left out (`offset` of `none`)."""
+    """(2,) what places are counted from, m, body frame: the robot's centre, or the middle between the cameras; that
+    middle also stands for either camera where each counts from itself (`offset` of `none`)."""
     labels: tuple[Labels, Labels]
     """(H, W) each; made anew when images of another size come."""
 
@@ -159,8 +161,9 @@ def gaze(
         half = (edges[:, :1] - edges[:, -1:]) / 2.0
         edges = half * np.linspace(1.0, -1.0, edges.shape[1])
     mounts, origin = np.array(camera_mounts(member_model)), np.zeros(2)
-    if offset == NONE:
+    if offset != CAMERA:
         origin = mounts[:, :2].mean(axis=0)
+        mounts[:, :2] = mounts[:, :2] - origin if offset == MIDDLE else 0.0
         mounts[:, :2] = 0.0
     none = np.empty((0, 0), np.uint8)
     eyes, radius_m = Eyes(edges, mounts), float(cone_radius_m)

@@ -45,7 +45,7 @@ class Parameters(NamedTuple):
     pixels_per_degree: looking.Assumption = looking.LENS
     """`equal-angle`: the same for all columns, whatever the lens (5.12); `lens`: each column's own bearing."""
     offset: looking.Offset = looking.CAMERA
-    """Where distances are counted from: each `camera`, or (`none`) the robot's centre."""
+    """Where places are told from (`looking.OFFSETS`)."""
     top_speed_m_s: Annotated[float, Parameter("m/s", "choice: the Create's 0.5, the Pioneer's 0.8", low=0.0)] = 0.8
     """No member is faster, and none is looked for farther away than this would take it."""
     bearing_noise_deg: Annotated[float, Parameter("deg", "choice: one pixel of an own turn unseen", low=1e-3)] = 1.0

@@ -41,7 +41,7 @@ class Parameters(NamedTuple):
     pixels_per_degree: looking.Assumption = looking.EQUAL_ANGLE
     """`equal-angle`: the same for all columns, whatever the lens (5.12); `lens`: each column's own bearing."""
     offset: looking.Offset = looking.CAMERA
-    """Where distances are counted from: each `camera`, or (`none`) the robot's centre."""
+    """Where places are told from (`looking.OFFSETS`)."""
 
 
 def start(parameters: Parameters, member_model: mujoco.MjModel, member_height_m: float, angles: Floats) -> looking.Gaze:

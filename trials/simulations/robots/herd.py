@@ -202,7 +202,7 @@ def _robot(
         judged=its.cameras.judged,
         imperfections=its.imperfections,
         image_rng=draw(Purpose.IMAGES),
-        needs=("velocities" in wanted.needs, "headings" in wanted.needs),
+        needs=("velocities" in wanted.of_each, "headings" in wanted.of_each),
         knowledge=Knowledge(
             world.fleet,
             index,
@@ -211,7 +211,7 @@ def _robot(
             np.array([given.goal_x_m, given.goal_y_m]) if informed else None,
             wanted.own_pose,
         ),
-        association=association.Association(its.association, wanted.needs) if wanted.associate else None,
+        association=association.Association(its.association, wanted.of_each) if wanted.associate else None,
         obstacle_stage=mind.obstacle_stage,
         role=1 if informed else given.role,
         memory=np.zeros(law.memory),

@@ -26,7 +26,7 @@ def check(resolved: Resolved) -> None:
                 f"law {group.law!r} selects its set {name!r} by fixed-set without ids, and robots have no graph; "
                 f"expected ids: --set '{group.name}.selection=\"{name}: fixed-set({ids})\"'"
             )
-    _, missing, inferable, _ = resolved.wanted
+    missing, inferable = resolved.wanted.missing, resolved.wanted.inferable
     if missing == inferable:
         return
     if "obstacles" in missing and resolved.reads_echoes:

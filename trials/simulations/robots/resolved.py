@@ -41,6 +41,8 @@ class Wanted(NamedTuple):
     """What a group's law and its selections need, and what its robots must do to have it."""
 
     needs: frozenset[str]
+    of_each: frozenset[str]
+    """Those without which a member is not handed on to the law."""
     missing: frozenset[str]
     """The needs that the pipeline does not meet."""
     inferable: frozenset[str]
@@ -178,7 +180,8 @@ class Resolved:
             has |= {"obstacles"}
         missing = needs - has - OF_ITSELF
         inferable = missing & INFERRED if self.associates and "positions" in has else frozenset()
-        return Wanted(needs, missing, inferable, bool(needs & {"compass", "goal"}) or bool(inferable))
+        of_each = needs - lawentry.may_lack_of(self.law)
+        return Wanted(needs, of_each, missing, inferable, bool(needs & {"compass", "goal"}) or bool(inferable))
 
     @property
     def associates(self) -> bool:

@@ -22,7 +22,7 @@ from trials.reports.arms import by_arm, panels
 from trials.reports.figures import Figure, Place
 from trials.simulations.robots.fields import AVOID, trial
 from trials.simulations.robots.measures_splitting import REACH_M
-from trials.studies.monocular.design import HERD, LAW, from_the_lens, seeing
+from trials.studies.monocular.design import FOOT, HERD, LAW, from_the_lens, seeing
 from trials.studies.monocular.flock_claims import COUNT, ONE, PERFECT, PIPELINE
 from trials.studies.monocular.monocular_flock import VIEW
 from trials.types import Trial, Value
@@ -58,7 +58,9 @@ def base(repeat: int) -> Trial:
     """Pioneers in two columns, which head for the post."""
     herd = seeing(3, formation="together", obstacles=AVOID)
     kept = {key: value for key, value in herd.setup.items() if not key.startswith("formation.")}
-    herd = dataclasses.replace(herd, setup={**kept, **AVOIDING, **QUICK}, law_parameters={**LAW, "nearest_only": True})
+    herd = dataclasses.replace(
+        herd, setup={**kept, **AVOIDING, **QUICK}, law_parameters={**LAW, "range_m": 8 * FOOT, "nearest_only": True}
+    )
     placed: dict[str, Value] = {"spacing_m": APART_M, "jitter_m": 0.05, "heading_spread_deg": 2.0}
     return trial(
         "obstacle-split", repeat, [herd], world=POST, formation="single-group", formation_parameters=placed,
