@@ -12,6 +12,7 @@ import numpy as np
 
 from flocking.errors import InputError, StorageError
 from flocking.types import Floats
+from robots.fleets import fallen_at
 from sensing.truth import judge
 from trials.simulations import judged, watch
 from trials.simulations.contract import StoppedError, Watcher
@@ -50,6 +51,7 @@ def run_trial(
     """
     from trials.simulations.robots.measures import measure
     from trials.simulations.robots.measures_eyes import eyes, has_eyes
+    from trials.simulations.robots.measures_falls import falls
     from trials.simulations.robots.measures_guided import guidance
     from trials.simulations.robots.measures_odometry import reckoned
     from trials.simulations.robots.measures_splitting import splitting
@@ -100,6 +102,7 @@ def run_trial(
         found |= eyes(result) | splitting(result)
     if any(of_group(each).own_motion == ODOMETRY for each in trial.groups):
         found |= reckoned(result)
+    found |= falls(fallen_at(herd.world.fleet))
     found |= link.counts([robot.link for robot in herd.robots if robot.link is not None])
     return dataclasses.replace(result, measures=found)
 
