@@ -14,7 +14,7 @@ import mujoco
 import numpy as np
 
 from flocking.parameters import Parameter
-from flocking.types import ANONYMOUS, NO_OBSTACLES, Floats, Ints, Members, Own
+from flocking.types import ANONYMOUS, Floats, Ints, Members, Own
 from sensing.camera import looking
 from sensing.camera.blobs import sighted_blobs
 from sensing.camera.colours import HSV
@@ -24,7 +24,7 @@ from sensing.camera.segmentation import Labels
 from sensing.camera.tracking import NO_TRACKS, Settings, Tracks, followed, moved
 from sensing.types import Detection, Senses
 
-READS = frozenset({"images"})
+READS = frozenset({"images", "echoes"})
 GIVES = frozenset({"positions", "bearings", "velocities"})
 
 
@@ -104,4 +104,4 @@ def detect(senses: Senses, own: Own, state: State) -> tuple[Detection, State]:
     ids = tracks.colours[rows] if state.gaze.colours > 1 else np.full(len(rows), ANONYMOUS)
     bearings = np.arctan2(places[:, 1], places[:, 0])
     members = Members(places, bearings, np.full(len(rows), np.nan), velocities, ids)
-    return Detection(members, NO_OBSTACLES, state.columns.copy()), state
+    return Detection(members, looking.obstacles(senses, places, state.gaze), state.columns.copy()), state

@@ -54,6 +54,7 @@ def run_trial(
     from trials.simulations.robots.measures_falls import falls
     from trials.simulations.robots.measures_guided import guidance
     from trials.simulations.robots.measures_odometry import reckoned
+    from trials.simulations.robots.measures_splitting import splitting
 
     if scans not in ("none", "some", "all"):
         raise InputError(f"scans {scans!r}: expected none, some or all")
@@ -98,7 +99,7 @@ def run_trial(
     if herd.scenario is not None:
         found |= guidance(result)
     if has_eyes(trial):
-        found |= eyes(result)
+        found |= eyes(result) | splitting(result)
     if any(of_group(each).own_motion == ODOMETRY for each in trial.groups):
         found |= reckoned(result)
     found |= falls(fallen_at(herd.world.fleet))
@@ -164,6 +165,8 @@ def run(herd: Herd, log: Log, last: int) -> None:
         log.update(data.time, k, poses_w[k], detection, selected, judgement, motion, command)
         if keep and senses.scan is not None:
             log.scan(data.time, k, poses_w[k], senses.scan)
+        if keep and senses.echoes is not None:
+            log.listened(data.time, k, poses_w[k], senses.echoes, detection.obstacles)
         if keep and senses.images is not None:
             log.pictures.keep(k, senses.images, detection, robot.taken_for())
 

@@ -33,6 +33,8 @@ from trials.types import Group
 
 LASER = frozenset({"scan", "intensity", "owners"})
 """What of a robot's senses comes from a laser."""
+SONAR = "sonar"
+"""Name of a ring of sonars among the mounts of a body."""
 
 
 class Wanted(NamedTuple):
@@ -143,6 +145,16 @@ class Resolved:
         return "images" in self.pipeline_reads
 
     @property
+    def reads_echoes(self) -> bool:
+        """Whether the member detection makes obstacles of what sonars hear, where the body has some."""
+        return "echoes" in self.pipeline_reads
+
+    @property
+    def hears(self) -> bool:
+        """Whether its robots' sonars are read: they have some, and its law or its avoidance asks for obstacles."""
+        return self.reads_echoes and SONAR in self.body.mounts and "obstacles" in self.wanted.needs
+
+    @property
     def reads_laser(self) -> bool:
         """Whether the member detection reads a laser."""
         return bool(self.pipeline_reads & LASER)
@@ -164,6 +176,8 @@ class Resolved:
         if self.avoids:
             needs |= {"obstacles"}
         has = given_by(self.pipeline)
+        if self.reads_echoes and SONAR in self.body.mounts:
+            has |= {"obstacles"}
         missing = needs - has - OF_ITSELF
         inferable = missing & INFERRED if self.associates and "positions" in has else frozenset()
         of_each = needs - lawentry.may_lack_of(self.law)

@@ -20,6 +20,7 @@ from trials.simulations.robots import (
     measures_falls,
     measures_guided,
     measures_odometry,
+    measures_splitting,
     worldfile,
 )
 from trials.simulations.robots.measures import ABOUT, HEADINGS, KEY_MEASURES
@@ -131,6 +132,7 @@ SIMULATION = Simulation(
         **judged.ABOUT,
         **measures_guided.ABOUT,
         **measures_eyes.ABOUT,
+        **measures_splitting.ABOUT,
         **measures_odometry.ABOUT,
         **measures_falls.ABOUT,
         **link.ABOUT,
