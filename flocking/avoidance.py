@@ -21,7 +21,8 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from flocking.angles import wrap
-from flocking.compilation import compiled
+from flocking.compilation import borrowing, compiled
+from flocking.lanes import over
 from flocking.parameters import Parameter
 from flocking.types import ANONYMOUS, Bools, Floats, Kind, Members, Obstacles
 
@@ -32,6 +33,8 @@ STEEPEST = 0.5
 LOOKS = 6
 """Look-ahead distances tried, each half the last: in a narrow place nothing is free for long."""
 NOTHING, TURNED, NO_SIDE, NO_WAY = range(4)
+DISTANCE, LIMIT = range(2)
+"""Rows of what is known of each obstacle."""
 STOP, WAY_POINT, VELOCITY, HEADING = (int(k) for k in (Kind.STOP, Kind.WAY_POINT, Kind.VELOCITY, Kind.HEADING))
 
 
@@ -133,6 +136,24 @@ def avoid(
     to only as far as it is; turned, its distance is that of its projection on the new direction. A motion faster than
     the look-ahead distance in `dt` is looked ahead for `dt`. Trapped on all sides: STOP.
     """
+    room = np.empty((2, len(points)))
+    return avoid_in(kind, x, y, own_vx, own_vy, dt, points, look_ahead_m, margin_m, room)
+
+
+@borrowing
+def avoid_in(
+    kind: int,
+    x: float,
+    y: float,
+    own_vx: float,
+    own_vy: float,
+    dt: float,
+    points: Floats,
+    look_ahead_m: float,
+    margin_m: float,
+    room: Floats,
+) -> tuple[int, float, float, bool]:
+    """What `avoid` does, which makes no arrays: it writes into `room` (2, K or more)."""
     if len(points) == 0 or kind == STOP:
         return kind, x, y, False
     vx, vy = x, y
@@ -145,9 +166,11 @@ def avoid(
     length = math.hypot(vx, vy)
     if not length > 0.0:
         return kind, x, y, False
-    ex, ey = vx / length, vy / length
+    ex, ey = over(vx, vy, length)
     look = min(look_ahead_m, length) if kind == WAY_POINT else max(look_ahead_m, length * dt)
-    outcome, tx, ty = turned(ex, ey, points, look, margin_m)
+    for k in range(len(points)):
+        room[DISTANCE, k] = math.hypot(points[k, 0], points[k, 1])
+    outcome, tx, ty = turned(ex, ey, points, look, margin_m, room)
     if outcome == NOTHING:
         return kind, x, y, False
     if kind == WAY_POINT:
@@ -160,7 +183,8 @@ def avoid(
         return WAY_POINT, kept * tx, kept * ty, True
     if outcome == NO_SIDE:
         tx, ty = -ex, -ey
-        if _way_open(tx, ty, points, look, margin_m):
+        _set_limits(look, margin_m, False, len(points), room)
+        if _direction_free(tx, ty, points, room):
             outcome = TURNED
     if outcome != TURNED:
         return STOP, math.nan, math.nan, True
@@ -170,29 +194,33 @@ def avoid(
     return VELOCITY, length * tx, length * ty, True
 
 
-@compiled
-def turned(ex: float, ey: float, points: Floats, look: float, margin: float) -> tuple[int, float, float]:
+@borrowing
+def turned(ex: float, ey: float, points: Floats, look: float, margin: float, room: Floats) -> tuple[int, float, float]:
     """The free direction nearest to the unit vector (ex, ey), and what was found.
 
     NOTHING in the way; TURNED; NO_SIDE: the nearest free directions to the left and to the right are equally near;
-    NO_WAY: no direction is free at any look-ahead distance tried.
+    NO_WAY: no direction is free at any look-ahead distance tried. `room` (2, K or more) has the distances of `points`
+    (K, 2).
     """
     for trial in range(LOOKS):
-        if _way_open(ex, ey, points, look, margin):
+        # leading away or along is open even inside a margin
+        _set_limits(look, margin, False, len(points), room)
+        if _direction_free(ex, ey, points, room):
             return NOTHING, ex, ey
+        if trial == 0:
+            _set_limits(look, margin, True, len(points), room)
         left_cos, left_x, left_y = -2.0, 0.0, 0.0
         right_cos, right_x, right_y = -2.0, 0.0, 0.0
         for k in range(len(points)):
-            distance = math.hypot(points[k, 0], points[k, 1])
-            if not 0.0 < distance < look + margin:
+            distance, limit = room[DISTANCE, k], room[LIMIT, k]
+            if limit == math.inf:
                 continue
-            nx, ny = points[k, 0] / distance, points[k, 1] / distance
-            limit = _limit(distance, look, margin, trial == 0)
+            nx, ny = over(points[k, 0], points[k, 1], distance)
             across = math.sqrt(1.0 - limit * limit)
             for side in (1.0, -1.0):
                 tx = limit * nx - side * across * ny
                 ty = limit * ny + side * across * nx
-                if not _direction_free(tx, ty, points, look, margin, trial == 0):
+                if not _direction_free(tx, ty, points, room):
                     continue
                 cos = ex * tx + ey * ty
                 if ex * ty - ey * tx >= 0.0:
@@ -210,30 +238,29 @@ def turned(ex: float, ey: float, points: Floats, look: float, margin: float) -> 
     return NO_WAY, ex, ey
 
 
-@compiled
-def _limit(distance: float, look: float, margin: float, steer_away: bool) -> float:
-    """The largest cosine between a free direction and the direction to an obstacle at that distance."""
-    if distance < margin:
-        return max((distance - margin) / look, -STEEPEST) if steer_away else 0.0
-    return min((distance - margin) / look, 1.0)
+@borrowing
+def _set_limits(look: float, margin: float, steer_away: bool, count: int, room: Floats) -> None:
+    """Writes the largest cosine between a free direction and the direction to each of the first `count` obstacles.
 
-
-@compiled
-def _direction_free(tx: float, ty: float, points: Floats, look: float, margin: float, steer_away: bool) -> bool:
-    """Whether no obstacle forbids the unit vector (tx, ty)."""
-    for k in range(len(points)):
-        distance = math.hypot(points[k, 0], points[k, 1])
+    It is inf, for no limit, of one that is too far away to count, and of one that has no direction.
+    """
+    for k in range(count):
+        distance, limit = room[DISTANCE, k], math.inf
         if 0.0 < distance < look + margin:
-            cos = (tx * points[k, 0] + ty * points[k, 1]) / distance
-            if cos > _limit(distance, look, margin, steer_away) + ROUNDING:
-                return False
+            limit = min((distance - margin) / look, 1.0)
+            if distance < margin:
+                limit = max((distance - margin) / look, -STEEPEST) if steer_away else 0.0
+        room[LIMIT, k] = limit
+
+
+@borrowing
+def _direction_free(tx: float, ty: float, points: Floats, room: Floats) -> bool:
+    """Whether no obstacle's limit forbids the unit vector (tx, ty)."""
+    for k in range(len(points)):
+        cos = (tx * points[k, 0] + ty * points[k, 1]) / room[DISTANCE, k]
+        if cos > room[LIMIT, k] + ROUNDING:
+            return False
     return True
-
-
-@compiled
-def _way_open(ex: float, ey: float, points: Floats, look: float, margin: float) -> bool:
-    """The same, but leading away or along is open even inside a margin."""
-    return _direction_free(ex, ey, points, look, margin, False)
 
 
 @compiled

@@ -19,6 +19,7 @@ PLAIN: dict[str, tuple[type, ...]] = {
     "RULES": (tuple, list),
     "RELATIONS": (tuple, list),
     "NEEDS": (set, frozenset, tuple, list),
+    "MAY_LACK": (set, frozenset, tuple, list),
     "SETS": (tuple, list, Mapping),
     "CREATE": (Mapping,),
     "MEMORY": (int,),

@@ -224,6 +224,11 @@ def needs_of(module: ModuleType) -> frozenset[str]:
     return frozenset(getattr(module, "NEEDS", {"positions"}))
 
 
+def may_lack_of(module: ModuleType) -> frozenset[str]:
+    """What a law's module says that a member may lack: it is then told of one with nan, and else not of that one."""
+    return frozenset(getattr(module, "MAY_LACK", ()))
+
+
 def relations_of(module: ModuleType) -> tuple[Relation, ...]:
     """What a law's module says must hold between its parameters. Raises `InputError`."""
     words = getattr(module, "RELATIONS", ())
@@ -287,6 +292,9 @@ def _compile(name: str, module: ModuleType, *, boundscheck: bool) -> Law:
     needs = needs_of(module)
     if not needs <= INFORMATION:
         raise InputError(f"law file {name!r}: NEEDS {sorted(needs - INFORMATION)}; expected of {sorted(INFORMATION)}")
+    if not may_lack_of(module) <= needs:
+        lacks = sorted(may_lack_of(module) - needs)
+        raise InputError(f"law file {name!r}: MAY_LACK {lacks}; expected of its NEEDS, {sorted(needs)}")
     sets = sets_of(module)
     try:
         parse_sets("all", sets, fields)

@@ -254,11 +254,14 @@ def parse_sets(text: str, sets: Mapping[str, str], parameters: Iterable[str] = (
 
 
 def resolved(steps: Sequence[Chosen], values: Mapping[str, Any]) -> list[Chosen]:
-    """The steps with numbers in place of parameters' names. Raises `InputError` for numbers that cannot be."""
+    """The steps with numbers in place of parameters' names. Raises `InputError` for numbers that cannot be.
+
+    A parameter that says how many are nearest may be 0: then there is nobody.
+    """
     made = []
     for step, given in steps:
         numbers = tuple(float(values[value]) if isinstance(value, str) else value for value in given)
-        if any(isinstance(value, str) for value in given):
+        if any(isinstance(value, str) for value in given) and (step, numbers) != (Step.K_NEAREST, (0.0,)):
             _check(step, numbers)
         made.append(Chosen(step, numbers))
     return made

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from flocking.compilation import compiled
+from flocking.lanes import over
 from flocking.types import Bools, Floats
 
 NEGLIGIBLE = 1e-12
@@ -26,7 +27,7 @@ def unit(x: float, y: float) -> tuple[float, float]:
     length = length_of(x, y)
     if length == 0.0:
         return 0.0, 0.0
-    return x / length, y / length
+    return over(x, y, length)
 
 
 @compiled

@@ -10,12 +10,13 @@ from __future__ import annotations
 import hashlib
 import importlib
 import importlib.util
+import math
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol, runtime_checkable
 
 import mujoco
 
@@ -23,7 +24,7 @@ from flocking import users_files
 from flocking.errors import InputError, unknown_name
 from flocking.found import is_path, run
 from flocking.types import Bools, Floats, Ints, Kind
-from robots.physics import FLOOR_MASK, apply_options, take_servos_implicitly
+from robots.physics import FLOOR_MASK, TIMESTEP, apply_options, take_servos_implicitly
 
 HOME = Path(__file__).resolve().parent
 
@@ -47,7 +48,11 @@ class Fleet(Protocol):
     """(N,) id of each robot's root body."""
 
     def command(self, k: int, speed: float, turn_rate: float) -> None:
-        """Tell robot k to drive at `speed` (m/s) and `turn_rate` (rad/s), as far as its machine can say that."""
+        """Tell robot k to drive at `speed` (m/s) and `turn_rate` (rad/s), as far as its machine can say that.
+
+        A body that goes in any direction takes the two for its velocity forward and to the left, m/s: what its `follow`
+        gives, or (speed, 0) for straight ahead.
+        """
 
     def before_step(self, data: mujoco.MjData) -> None:
         """Bring the actuators' controls up to date."""
@@ -83,6 +88,15 @@ class Fleet(Protocol):
         """(3,) x, y, heading of robot k by its odometry, from its start."""
 
 
+@runtime_checkable
+class CanFall(Protocol):
+    """What a fleet has besides whose robots can fall."""
+
+    @property
+    def fallen_at(self) -> Floats:
+        """(N,) s, when each robot fell; nan = it is upright."""
+
+
 @dataclass(frozen=True)
 class Body:
     """One kind of robot. Lengths in m, speeds in m/s; body frame x forward, y left, origin on the floor."""
@@ -103,12 +117,15 @@ class Body:
     fleet: Callable[[mujoco.MjModel, Sequence[str]], Fleet]
     """All robots of this kind in a model, in the order of the prefixes of their names."""
     follow: Callable[[int, float, float, float, float, float, float], tuple[float, float]]
-    """(kind, x, y, cruise, speed_now, turn_rate_now, dt) → speed (m/s) and turn rate (rad/s) to command: `kind`, `x`
-    and `y` of a `Motion`; `cruise`, speed towards a way-point; the command in force; `dt`, s to the next update."""
+    """(kind, x, y, cruise, speed_now, turn_rate_now, dt) → speed (m/s) and turn rate (rad/s) to command, or the two
+    numbers that its fleet's `command` takes in their place: `kind`, `x` and `y` of a `Motion`; `cruise`, speed towards
+    a way-point; the command in force; `dt`, s to the next update."""
     constants: tuple[str, ...]
     """Modules whose constants are this body's numbers, to be shown with their sources."""
     marked: bool = True
     """Whether others can tell it as a member; one that is not marked looks like a part of a wall."""
+    longest_timestep: float = math.inf
+    """s, of physics: with a longer step its control does not hold."""
 
     def mount(self, sensor: str) -> Mount:
         """Where `sensor` is fastened. Raises `InputError` where this body carries none."""
@@ -184,7 +201,7 @@ def _of_folder(path: str, digest: str) -> Body:
 def scene(body: Body) -> mujoco.MjSpec:
     """One robot on a floor with a light: what its XML holds."""
     world = body.spec()
-    apply_options(world)
+    apply_options(world, min(TIMESTEP, body.longest_timestep))
     floor = world.worldbody.add_geom(name="floor", type=mujoco.mjtGeom.mjGEOM_PLANE, size=(0, 0, 1))
     floor.contype, floor.conaffinity = FLOOR_MASK, 0
     floor.rgba = (0.55, 0.57, 0.6, 1)

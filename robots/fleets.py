@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 
 from flocking.types import Bools, Floats, Ints
-from robots.body import Body, Fleet
+from robots.body import Body, CanFall, Fleet
 
 
 def fleet_of(model: mujoco.MjModel, bodies: Sequence[Body], prefixes: Sequence[str]) -> Fleet:
@@ -23,6 +23,19 @@ def fleet_of(model: mujoco.MjModel, bodies: Sequence[Body], prefixes: Sequence[s
     if len(fleets) == 1:
         return fleets[0]
     return MixedFleet(fleets, [np.array(of, dtype=np.int64) for of in members.values()])
+
+
+def fallen_at(fleet: Fleet) -> Floats | None:
+    """(N,) s, when each robot fell; nan = it is upright. None where no robot of the fleet can fall."""
+    if isinstance(fleet, CanFall):
+        return fleet.fallen_at
+    if not isinstance(fleet, MixedFleet) or not any(isinstance(part, CanFall) for part in fleet.fleets):
+        return None
+    fallen = np.full(len(fleet.root_bodies), np.nan)
+    for part, of in zip(fleet.fleets, fleet.numbers, strict=True):
+        if isinstance(part, CanFall):
+            fallen[of] = part.fallen_at
+    return fallen
 
 
 def _rows(numbers: Ints) -> Ints | slice:

@@ -20,9 +20,10 @@ import numpy as np
 
 from flocking.compilation import borrowing
 from flocking.errors import InputError, unknown_name
-from flocking.types import Floats, Ints, Obstacles
+from flocking.types import Floats, Ints
 from sensing.laser import planar
 from sensing.laser.slice import Slice, body_name, moving_body, owner_of, reference_pose, slice_at
+from sensing.types import Echoes
 
 RING: tuple[tuple[float, float, float], ...] = tuple(
     (1e-3 * x, 1e-3 * y, math.radians(degrees))
@@ -81,6 +82,8 @@ class Sonars:
         self._poses = np.zeros((len(rows), 4))
         self._frames = [rows.get(body, -1) for body in bodies]
         self._mounts = [self._mounted(site, body) for site, body in zip(ids, bodies, strict=True)]
+        self._rings = [self._ring_of(k) for k in range(len(ids))]
+        self._silhouettes = self.slice.silhouette_radii(self.roots, model)
         lags = bool(np.any(self.slice.addresses < 0))
         self._placed = mujoco.MjData(model) if lags else None
         self._addresses: Ints = 7 * self.slice.bodies if lags else self.slice.addresses
@@ -102,6 +105,17 @@ class Sonars:
                 "its reference height: expected level motion on the floor"
             )
         return ranges
+
+    def listen(self, data: mujoco.MjData, k: int, cone: tuple[float, float]) -> Echoes:
+        """What robot k hears; `cone`: where its own kind's cone stands in its frame, m (nan where that has none)."""
+        return Echoes(self.read(data, k), self._rings[k], float(self._silhouettes[k]) + math.hypot(*cone))
+
+    def _ring_of(self, k: int) -> Floats:
+        """(S, 3) x, y (m) and heading (rad) of each sonar in robot k's frame."""
+        x, y, cosine, sine = self._mounts[k]
+        across, along, heading = self.ring.T
+        turned = heading + math.atan2(sine, cosine)
+        return np.column_stack([x + cosine * across - sine * along, y + sine * across + cosine * along, turned])
 
     def _checked(self, name: str, k: int) -> int:
         model, data = self._model, self._data
@@ -130,18 +144,6 @@ class Sonars:
         placed.qpos[:], placed.mocap_pos[:], placed.mocap_quat[:] = data.qpos, data.mocap_pos, data.mocap_quat
         mujoco.mj_kinematics(self._model, placed)
         return np.concatenate([placed.xpos, placed.xquat], axis=1).ravel()
-
-
-def obstacles(ranges: Floats, ring: Floats) -> Obstacles:
-    """What a robot takes its echoes for: a point on the axis of each sonar that heard something, body frame, m.
-
-    ranges (S,) as `Sonars.read` gives them; ring (S, 3). The echo may have come from anywhere in the cone: at 1 m up to
-    0.26 m aside of the point.
-    """
-    heard = np.isfinite(ranges)
-    x, y, heading = ring[heard].T
-    way = ranges[heard]
-    return Obstacles(np.column_stack([x + way * np.cos(heading), y + way * np.sin(heading)]))
 
 
 @borrowing

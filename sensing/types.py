@@ -42,6 +42,18 @@ class Images(NamedTuple):
     """(H, W, 3) RGB of the right camera."""
 
 
+class Echoes(NamedTuple):
+    """What the sonars of one robot heard at one update, and what it knows of them."""
+
+    ranges: Floats
+    """(S,) m, of each sonar; inf = nothing heard."""
+    ring: Floats
+    """(S, 3) x, y (m) and heading (rad) of each sonar in the body frame."""
+    mate_m: float
+    """How far from a flockmate's cone an echo of that flockmate may come from, m, of one of the own kind; nan = that
+    has no cone."""
+
+
 class ScanTruth(NamedTuple):
     """What no robot can know: which beam hit whom. For ground truth and recordings only.
 
@@ -82,6 +94,7 @@ class Senses(NamedTuple):
     owners: Ints | None = None
     """(B,) as in `ScanTruth`: for the pipelines of perfect classification only."""
     images: Images | None = None
+    echoes: Echoes | None = None
 
 
 class Detection(NamedTuple):

@@ -214,6 +214,24 @@ class Pictures:
 
 
 @dataclass(frozen=True)
+class Heard:
+    """What sonars heard, as far as it was kept for a recording; P rows."""
+
+    times: Floats
+    """(P,)."""
+    robots: Ints
+    """(P,)."""
+    poses_w: Floats
+    """(P, 3) pose of the robot at that time."""
+    rings: tuple[Floats, ...]
+    """(P,) of (S, 3): x, y (m) and heading (rad) of each of its sonars in the body frame."""
+    ranges: tuple[Floats, ...]
+    """(P,) of (S,) m; inf = nothing heard."""
+    obstacles: tuple[Floats, ...]
+    """(P,) of (K, 2) m, body frame: the echoes that were taken for obstacles."""
+
+
+@dataclass(frozen=True)
 class Contacts:
     """Where a robot began to touch something; C rows, one a touch (not one a step)."""
 
@@ -268,3 +286,4 @@ class TrialResult:
     tables: Mapping[str, NDArray[Any]] = field(default_factory=dict)
     """Arrays of a simulation whose trials are more than one herd's way, by name."""
     pictures: Pictures | None = None
+    heard: Heard | None = None

@@ -191,7 +191,7 @@ def _geom_owners(model: mujoco.MjModel, roots: Ints) -> Ints:
     owners = np.full(model.ngeom, touching.UNOWNED, dtype=np.int64)
     robots = {int(root): k for k, root in enumerate(roots)}
     for geom in range(model.ngeom):
-        if not model.geom_contype[geom] & physics.HULL_MASK:
+        if not (model.geom_contype[geom] | model.geom_conaffinity[geom]) & physics.HULL_MASK:
             continue
         root = int(model.body_rootid[model.geom_bodyid[geom]])
         owners[geom] = robots.get(root, len(robots))

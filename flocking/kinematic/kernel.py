@@ -17,10 +17,10 @@ from flocking.compilation import borrowing, compiled_for, inlined
 from flocking.kinematic import arrays
 from flocking.kinematic.arrays import Bodies, HerdArrays, Place, Stages, Tracks
 from flocking.kinematic.cells import FEWEST_MEMBERS, Cells, binned, cells_of, no_cells
-from flocking.kinematic.mind import decide, near_walls_of
+from flocking.kinematic.mind import decide
 from flocking.kinematic.motion import move
+from flocking.kinematic.obstacles import keep_near, lay_out
 from flocking.kinematic.sight import Crowd, Scratch, assemble, in_columns, scratch
-from flocking.kinematic.views import first
 from flocking.kinematic.walls import shortest
 from flocking.lawentry import ENTRY_SIGNATURE
 from flocking.types import Floats, Ints
@@ -90,9 +90,10 @@ def decide_all(
     by_cells = cells.columns > 0 and len(who) == len(rows)
     if len(room.columns) > 0:
         in_columns(bodies, room.columns)
-    seen = len(room.near_walls)
-    if (stages.obstacles or stages.avoids or stages.virtual) and place.period == 0.0:
-        seen = near_walls_of(bodies.positions, place.walls, stages.sight, room.near_walls)
+    near_walls = 0
+    if stages.obstacles or stages.avoids or stages.virtual:
+        sight = stages.sight if place.period == 0.0 else math.inf
+        near_walls = keep_near(bodies.positions, place.walls, room.walls, sight, room.near_walls)
     for k in range(0 if by_cells else len(rows)):
         rows[crowd.ids[k]] = k
     for k in range(len(who)):
@@ -100,7 +101,7 @@ def decide_all(
         i = who[at]
         row = k if by_cells else rows[i]
         turn[0], turn[1] = step, i
-        sound = decide(law, i, row, stages, herd, crowd, cells, first(room.near_walls, seen), draws[step, at], room)
+        sound = decide(law, i, row, stages, herd, crowd, cells, near_walls, draws[step, at], room)
         motions[i, 0], motions[i, 1], motions[i, 2], motions[i, 3] = motion[0], motion[1], motion[2], motion[3]
         if not sound:
             return False
@@ -127,6 +128,7 @@ def synchronous(
     bodies, period = herd.bodies, herd.place.period
     count = len(bodies.positions)
     room = scratch(count, stages, len(herd.place.walls), period)
+    lay_out(herd.place.walls, room.walls)
     everybody, rows, before = np.arange(count), np.arange(count), np.empty((count, 2))
     unsorted = Crowd(bodies.positions, bodies.headings, bodies.velocities, everybody)
     sorted_ = Crowd(np.empty((count, 2)), np.empty(count), np.empty((count, 2)), everybody.copy())
@@ -223,6 +225,8 @@ def asynchronous(
     bodies, motions, place = herd.bodies, herd.motions, herd.place
     count = len(bodies.positions)
     room = scratch(count, stages, len(place.walls), place.period)
+    lay_out(place.walls, room.walls)
+    keep_near(bodies.positions, place.walls, room.walls, math.inf, room.near_walls)
     pad = PAD * stages.reach
     block = part_of(count, stages.reach)
     crowd = Crowd(bodies.positions, bodies.headings, bodies.velocities, np.arange(count))
@@ -234,7 +238,7 @@ def asynchronous(
             turn[0], turn[1] = step, i
             if len(room.columns) > 0:
                 in_columns(bodies, room.columns)
-            sound = decide(law, i, i, stages, herd, crowd, cells, room.near_walls, draws[step, k], room)
+            sound = decide(law, i, i, stages, herd, crowd, cells, len(place.walls), draws[step, k], room)
             motions[i] = room.motion
             if not sound:
                 return 1

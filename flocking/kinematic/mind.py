@@ -8,77 +8,17 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from flocking.avoidance import avoid, virtual_members
+from flocking.avoidance import avoid_in, virtual_members
 from flocking.compilation import borrowing, inlined
 from flocking.kinematic.arrays import BELOW, COSINE, LEAST, HerdArrays, Minds, Place, Stages
 from flocking.kinematic.cells import Cells
 from flocking.kinematic.motion import axes_of
+from flocking.kinematic.obstacles import obstacles_seen
 from flocking.kinematic.sight import Crowd, Focal, Scratch, detected
 from flocking.kinematic.views import first, folded
-from flocking.kinematic.walls import nearest_point
 from flocking.obstacle_selection import keep_selected
 from flocking.perception import ARGUMENTS, Step, keep, keep_between, keep_cone, keep_within
 from flocking.types import ANONYMOUS, Bools, Floats, Ints, Kind
-
-SLACK = 1e-9
-"""Relative: what rounding may take from a distance, many times over."""
-
-
-@borrowing
-def near_walls_of(positions: Floats, walls: Floats, sight: float, near: Ints) -> int:
-    """Writes the walls whose bounding box is within sight of that of all `positions` (N, 2), in their order."""
-    if not sight < math.inf:
-        for w in range(len(walls)):
-            near[w] = w
-        return len(walls)
-    x0 = y0 = math.inf
-    x1 = y1 = -math.inf
-    for i in range(len(positions)):
-        x0, x1 = min(x0, positions[i, 0]), max(x1, positions[i, 0])
-        y0, y1 = min(y0, positions[i, 1]), max(y1, positions[i, 1])
-    reach = sight * (1.0 + SLACK) + SLACK * (abs(x0) + abs(x1) + abs(y0) + abs(y1))
-    count = 0
-    for w in range(len(walls)):
-        wall = walls[w]
-        apart_x = max(min(wall[0], wall[2]) - x1, x0 - max(wall[0], wall[2]))
-        apart_y = max(min(wall[1], wall[3]) - y1, y0 - max(wall[1], wall[3]))
-        near[count] = w
-        count += not (apart_x > reach or apart_y > reach)
-    return count
-
-
-@borrowing
-def hides(x: float, y: float, px: float, py: float, wall: Floats) -> bool:
-    """Whether the wall lies between (x, y) and the point (px, py), which it does not if the point is on it."""
-    ex, ey = wall[2] - wall[0], wall[3] - wall[1]
-    dx, dy = (1.0 - SLACK) * (px - x), (1.0 - SLACK) * (py - y)
-    ox, oy = wall[0] - x, wall[1] - y
-    here, there = ox * ey - oy * ex, (ox - dx) * ey - (oy - dy) * ex
-    one, other = dx * oy - dy * ox, dx * (oy + ey) - dy * (ox + ex)
-    return (here > 0.0) != (there > 0.0) and (one > 0.0) != (other > 0.0)
-
-
-@borrowing
-def in_sight(x: float, y: float, px: float, py: float, walls: Floats) -> bool:
-    """Whether no wall hides the point (px, py) from (x, y)."""
-    for w in range(len(walls)):  # noqa: SIM110 (a loop allocates nothing)
-        if hides(x, y, px, py, walls[w]):
-            return False
-    return True
-
-
-@borrowing
-def obstacles_seen(focal: Focal, walls: Floats, near: Ints, sight: float, sight_lines: bool, points: Floats) -> int:
-    """Writes the nearest point of each wall of those `near` that is within sight, body frame; returns their number."""
-    x, y, c, s = focal.x, focal.y, focal.cosine, focal.sine
-    count = 0
-    for k in range(len(near)):
-        nx, ny = nearest_point(x, y, walls[near[k]])
-        dx, dy = nx - x, ny - y
-        if dx * dx + dy * dy <= sight * sight and (not sight_lines or in_sight(x, y, nx, ny, walls)):
-            points[count, 0], points[count, 1] = c * dx + s * dy, c * dy - s * dx
-            count += 1
-    return count
 
 
 @inlined
@@ -175,13 +115,14 @@ def decide(
     herd: HerdArrays,
     crowd: Crowd,
     cells: Cells,
-    near_walls: Ints,
+    near_walls: int,
     u: Floats,
     room: Scratch,
 ) -> bool:
     """Stages 2 to 4 of member i; writes its motion to `room.motion`. False if the law returned no valid motion.
 
-    `row` is its row of the crowd; `near_walls` are those that it may see; `u` (DRAWS,) are its random numbers.
+    `row` is its row of the crowd; `near_walls` of the walls it may see, as
+    `room.near_walls` has them; `u` (DRAWS,) are its random numbers.
     """
     bodies, minds, place = herd.bodies, herd.minds, herd.place
     heading = crowd.headings[row]
@@ -193,7 +134,8 @@ def decide(
     if stages.obstacles or stages.avoids or stages.virtual:
         blocks = obstacles_seen(
             focal,
-            place.walls,
+            room.walls,
+            room.near_walls,
             near_walls,
             # in periodic space nothing is farther away than half the diagonal
             stages.sight if place.period == 0.0 else min(stages.sight, 0.7072 * place.period),
@@ -224,7 +166,7 @@ def decide(
     if not 0 <= kind <= 5:
         return False
     if stages.avoids and blocks > 0:
-        kind, x, y, _ = avoid(
+        kind, x, y, _ = avoid_in(
             kind,
             motion[1],
             motion[2],
@@ -234,6 +176,7 @@ def decide(
             first(room.obstacles, blocks),
             stages.look_ahead,
             stages.margin,
+            room.ways,
         )
         motion[0], motion[1], motion[2] = kind, x, y
     if kind == Kind.HOLD or kind == Kind.STOP:

@@ -20,6 +20,10 @@ from flocking.lawentry import OWN_SIZE
 from flocking.perception import ARGUMENTS, Step
 from flocking.types import Bools, Floats, Ints
 
+AT_ONCE = 4
+"""Members that are turned at a time: so many numbers are in a register of most processors, and FEWEST_MEMBERS is a
+multiple of it."""
+
 
 class Crowd(NamedTuple):
     """Everybody as seen from outside, in the order of the cells: what is near in space is near in memory."""
@@ -99,9 +103,15 @@ class Scratch(NamedTuple):
     columns: Floats
     """(8 · FEWEST_MEMBERS,) x, y, vx, vy of all members, world frame, then in that of the body, one column after the
     other; (0,) where members are looked at one by one."""
+    within: Ints
+    """(FEWEST_MEMBERS,) which members are within reach, as `turn_columns` writes it; (0,) likewise."""
     between: Between
-    near_walls: Ints
-    """(W,) the walls that anybody may see, those first that `near_walls_of` counts."""
+    walls: Floats
+    """(5, W) all walls, as `flocking.kinematic.obstacles` lays them out."""
+    near_walls: Floats
+    """(8, W) those that anybody may see, likewise, and then where the member sees them."""
+    ways: Floats
+    """(2, W) room for `flocking.avoidance.avoid_in`."""
 
 
 @compiled
@@ -141,9 +151,12 @@ def scratch(count: int, stages: Stages, walls: int, period: float) -> Scratch:
         np.empty(4),
         flat_positions,
         flat_velocities,
-        np.empty(8 * FEWEST_MEMBERS if plain else 0),
+        np.zeros(8 * FEWEST_MEMBERS if plain else 0),
+        np.empty(FEWEST_MEMBERS if plain else 0, np.int64),
         between,
-        np.arange(walls),
+        np.empty((5, walls)),
+        np.empty((8, walls)),
+        np.empty((2, walls)),
     )
 
 
@@ -248,14 +261,15 @@ def in_columns(bodies: Bodies, columns: Floats) -> None:
 
 
 @borrowing
-def turn_columns(focal: Focal, squared: float, between: Between, columns: Floats, near: Ints) -> None:
+def turn_columns(focal: Focal, count: int, squared: float, between: Between, columns: Floats, near: Ints) -> None:
     """Writes where all members are and how they move, body frame, into the last four columns.
 
-    `near` of a member is 0 beyond reach, 1 within, and 3 if it is also selected. Nothing in the loop depends on the
-    member before, and the columns lie at fixed distances, so that a processor does several members at a time.
+    `near` (count or more,) of a member is 0 beyond reach, 1 within, and 3 if it is also selected. Nothing in the loop
+    depends on the member before, and the columns lie at fixed distances, so that a processor does several members at a
+    time; it does as many as are a multiple of that, for those left over would take as long one by one.
     """
     x, y, c, s = focal.x, focal.y, focal.cosine, focal.sine
-    for j in range(len(near)):
+    for j in range((count + AT_ONCE - 1) // AT_ONCE * AT_ONCE):
         dx, dy = columns[j] - x, columns[FEWEST_MEMBERS + j] - y
         vx, vy = columns[2 * FEWEST_MEMBERS + j], columns[3 * FEWEST_MEMBERS + j]
         to_x, to_y = c * dx + s * dy, c * dy - s * dx
@@ -269,11 +283,11 @@ def turn_columns(focal: Focal, squared: float, between: Between, columns: Floats
 
 @borrowing
 def pack_columns(
-    columns: Floats, near: Ints, positions: Floats, velocities: Floats, ids: Ints, selected: Bools
+    members: int, columns: Floats, near: Ints, positions: Floats, velocities: Floats, ids: Ints, selected: Bools
 ) -> np.int64:
     """Writes those within reach one after the other as inputs, whose flat rows these are; returns how many."""
     count, one = np.uint64(0), np.uint64(1)  # unsigned: no index is looked at for being negative
-    for j in range(len(near)):
+    for j in range(members):
         at, now = count + count, near[j]
         positions[at] = columns[4 * FEWEST_MEMBERS + j]
         positions[at + one] = columns[5 * FEWEST_MEMBERS + j]
@@ -314,9 +328,9 @@ def detected(focal: Focal, stages: Stages, crowd: Crowd, cells: Cells, period: f
     """Stage 2: writes the set D of the focal member in its body frame; returns its size."""
     perfect = stages.detection == detection.Detection.PERFECT
     if len(room.columns) > 0 and period == 0.0 and cells.columns == 0:
-        columns, near = room.columns, room.candidates
-        turn_columns(focal, stages.reach * stages.reach, room.between, columns, near)
-        found = pack_columns(columns, near, room.flat_positions, room.flat_velocities, room.ids, room.sets)
+        columns, near, members = room.columns, room.within, len(crowd.positions)
+        turn_columns(focal, members, stages.reach * stages.reach, room.between, columns, near)
+        found = pack_columns(members, columns, near, room.flat_positions, room.flat_velocities, room.ids, room.sets)
         if stages.information == BEARINGS:
             at_distance(room.positions, found, stages.assumed_distance)
         if stages.bearings:

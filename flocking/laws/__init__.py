@@ -7,6 +7,7 @@ A law's file holds
 - `NEEDS`: what it reads of each member (any of positions, bearings, headings, velocities, ids), of itself (compass,
   goal, contacts) and of the world (obstacles). What a law needs is never nan when it is called: members of which it is
   not known are left out. Only a goal may be nan: a member that has none;
+- optionally `MAY_LACK`, those of its needs that a member may lack: it is then told of such a one, with nan for them;
 - `RULES`: the names of its rules; `Motion.rule` is an index into them;
 - optionally `SETS`, a dict from the name of each set of neighbours to the selection that makes it
   (`flocking.selection`), in which the law's own parameters may stand for numbers; one set of all members if absent;

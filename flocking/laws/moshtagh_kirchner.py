@@ -18,7 +18,8 @@ equations have two plausible readings, the other one is a parameter: `growth`, `
 `omega_accelerates`, `own_turning`, `stop_is_kept` (docs/monocular.md, Control).
 
 Reads positions and velocities: β' and τ come from the relative position and velocity, where the source measured them
-from one image to the next. No camera, cone or pixels here.
+from one image to the next; of a member without a velocity only distance and bearing are known. No camera, cone or
+pixels here.
 """
 
 from __future__ import annotations
@@ -34,6 +35,8 @@ from flocking.taxonomy import Filled, Herd, Taxonomy, Validation
 from flocking.types import Bools, Floats, Kind, Members, Motion, Obstacles, Own
 
 NEEDS = frozenset({"positions", "velocities"})
+MAY_LACK = frozenset({"velocities"})
+"""A member is seen from its first image on, and closes in and turns from its second."""
 RULES = ("straight ahead", "flock", "turn away", "danger")
 SETS = {"seen": "distance-based(0, range_m) & field-of-view(view_deg)"}
 RELATIONS = ("danger_m at most ideal_m", "least_m_s at most top_m_s")
@@ -243,14 +246,16 @@ def message(own: Own, members: Members, sets: Bools, obstacles: Obstacles, param
     closure = (x * vx + y * vy) / distance if distance > 0.0 else 0.0
     bearing = math.atan2(y, x)
     rate = 0.0
+    if math.isnan(closure):  # seen for the first time: how it moves is not known yet
+        closure = 0.0
     if parameters.nearest_only:
-        if distance > 0.0:
+        if distance > 0.0 and not math.isnan(vx):
             rate += alignment_rate(x, y, vx, vy, turned)
         return Message(parameters.coupling * rate, closure, distance, bearing)
     for j in range(len(members.ids)):
         x, y = members.positions[j, 0], members.positions[j, 1]
-        if sets[0, j] and (x != 0.0 or y != 0.0):
-            vx, vy = members.velocities[j, 0] - own.velocity[0], members.velocities[j, 1] - own.velocity[1]
+        vx, vy = members.velocities[j, 0] - own.velocity[0], members.velocities[j, 1] - own.velocity[1]
+        if sets[0, j] and (x != 0.0 or y != 0.0) and not math.isnan(vx):
             rate += alignment_rate(x, y, vx, vy, turned)
     return Message(parameters.coupling * rate, closure, distance, bearing)
 

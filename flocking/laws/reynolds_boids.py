@@ -18,6 +18,7 @@ from __future__ import annotations
 import math
 from typing import Annotated, NamedTuple
 
+from flocking.lanes import over
 from flocking.parameters import Parameter
 from flocking.taxonomy import Filled, Herd, Taxonomy, Validation
 from flocking.terms import NEGLIGIBLE, unit
@@ -74,9 +75,9 @@ def law(
             to_y += y
             squared = x * x + y * y
             # without a branch, which a processor would often guess wrong: what is divided by infinity adds nothing
-            over = squared if (squared > 0.0) & (squared < nearest) else math.inf
-            away_x -= x / over
-            away_y -= y / over
+            part_x, part_y = over(x, y, squared if (squared > 0.0) & (squared < nearest) else math.inf)
+            away_x -= part_x
+            away_y -= part_y
     away_x, away_y = unit(away_x, away_y)
     with_x, with_y = unit(with_x, with_y)
     to_x, to_y = unit(to_x, to_y)

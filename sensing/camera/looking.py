@@ -19,14 +19,15 @@ from flocking.angles import wrap
 from flocking.compilation import compiled
 from flocking.errors import InputError
 from flocking.parameters import Parameter
-from flocking.types import Floats, Ints, Members, unknown
+from flocking.types import NO_OBSTACLES, Floats, Ints, Members, Obstacles, unknown
+from sensing import echoes
 from sensing.camera.colours import HSV, KINDS, PUBLISHED, Segmentation
 from sensing.camera.cones import NEAREST_M, RADIUS_M, edges_of
 from sensing.camera.images import Images, Picture
 from sensing.camera.palette import CALIBRATED, MOST_ROBOTS, one_each
 from sensing.camera.runs import LARGEST_HOLE_PX
 from sensing.camera.segmentation import Labels, segment_into
-from sensing.types import NOBODY
+from sensing.types import NOBODY, Senses
 
 CAMERAS = ("camera_left", "camera_right")
 """Names of the cameras in a robot's model (a prefix is allowed)."""
@@ -34,7 +35,9 @@ LEVEL = math.radians(1.0)
 """A camera's axis may lean by this much: in a camera that leans more, a column is no bearing."""
 
 EQUAL_ANGLE, LENS = ASSUMPTIONS = ("equal-angle", "lens")
-OFFSETS = CAMERA, NONE = ("camera", "none")
+OFFSETS = CAMERA, MIDDLE, NONE = ("camera", "middle", "none")
+"""Where places are told from: the robot's centre, each camera where it is; the middle between both cameras, where it is
+in the distance that counts from a lens; or the robot's centre as if both cameras were there."""
 RANGES = ("calibrated", "published")
 
 # the fields of the pipelines' parameters, each declared once
@@ -85,6 +88,9 @@ class Gaze(NamedTuple):
     largest_hole_px: int
     minimum_run_px: int
     radius_m: float
+    origin: Floats
+    """(2,) what places are counted from, m, body frame: the robot's centre, or the middle between the cameras; that
+    middle also stands for either camera where each counts from itself (`offset` of `none`)."""
     labels: tuple[Labels, Labels]
     """(H, W) each; made anew when images of another size come."""
 
@@ -154,13 +160,14 @@ def gaze(
     if pixels_per_degree == EQUAL_ANGLE:
         half = (edges[:, :1] - edges[:, -1:]) / 2.0
         edges = half * np.linspace(1.0, -1.0, edges.shape[1])
-    mounts = np.array(camera_mounts(member_model))
-    if offset == NONE:
+    mounts, origin = np.array(camera_mounts(member_model)), np.zeros(2)
+    if offset != CAMERA:
+        origin = mounts[:, :2].mean(axis=0)
+        mounts[:, :2] = mounts[:, :2] - origin if offset == MIDDLE else 0.0
         mounts[:, :2] = 0.0
     none = np.empty((0, 0), np.uint8)
-    return Gaze(
-        looked_for, Eyes(edges, mounts), int(largest_hole_px), int(minimum_run_px), float(cone_radius_m), (none, none)
-    )
+    eyes, radius_m = Eyes(edges, mounts), float(cone_radius_m)
+    return Gaze(looked_for, eyes, int(largest_hole_px), int(minimum_run_px), radius_m, origin, (none, none))
 
 
 def labelled(images: Images, state: Gaze) -> Gaze:
@@ -188,6 +195,13 @@ def members_of(positions: Floats, ids: Ints, known: bool) -> Members:
 def nothing_seen(state: Gaze) -> tuple[Members, Ints]:
     """No member, and the row (none) of each column."""
     return members_of(np.empty((0, 2)), np.empty(0, np.int64), False), np.full(2 * state.columns, NOBODY)
+
+
+def obstacles(senses: Senses, places: Floats, state: Gaze) -> Obstacles:
+    """The echoes of a robot with sonars that no cone at these places (M, 2) explains (`sensing.echoes`); else none."""
+    if senses.echoes is None:
+        return NO_OBSTACLES
+    return echoes.obstacles(senses.echoes, places + state.origin)
 
 
 @compiled

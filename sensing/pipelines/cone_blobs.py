@@ -14,7 +14,7 @@ import mujoco
 import numpy as np
 
 from flocking.parameters import Parameter
-from flocking.types import ANONYMOUS, NO_OBSTACLES, Floats, Ints, Members, Own
+from flocking.types import ANONYMOUS, Floats, Ints, Members, Own
 from sensing.camera import looking
 from sensing.camera.blobs import sighted_blobs
 from sensing.camera.colours import HSV
@@ -24,7 +24,7 @@ from sensing.camera.segmentation import Labels
 from sensing.camera.tracking import NO_TRACKS, Settings, Tracks, followed, moved
 from sensing.types import Detection, Senses
 
-READS = frozenset({"images"})
+READS = frozenset({"images", "echoes"})
 GIVES = frozenset({"positions", "bearings", "velocities"})
 
 
@@ -45,7 +45,7 @@ class Parameters(NamedTuple):
     pixels_per_degree: looking.Assumption = looking.LENS
     """`equal-angle`: the same for all columns, whatever the lens (5.12); `lens`: each column's own bearing."""
     offset: looking.Offset = looking.CAMERA
-    """Where distances are counted from: each `camera`, or (`none`) the robot's centre."""
+    """Where places are told from (`looking.OFFSETS`)."""
     top_speed_m_s: Annotated[float, Parameter("m/s", "choice: the Create's 0.5, the Pioneer's 0.8", low=0.0)] = 0.8
     """No member is faster, and none is looked for farther away than this would take it."""
     bearing_noise_deg: Annotated[float, Parameter("deg", "choice: one pixel of an own turn unseen", low=1e-3)] = 1.0
@@ -104,4 +104,4 @@ def detect(senses: Senses, own: Own, state: State) -> tuple[Detection, State]:
     ids = tracks.colours[rows] if state.gaze.colours > 1 else np.full(len(rows), ANONYMOUS)
     bearings = np.arctan2(places[:, 1], places[:, 0])
     members = Members(places, bearings, np.full(len(rows), np.nan), velocities, ids)
-    return Detection(members, NO_OBSTACLES, state.columns.copy()), state
+    return Detection(members, looking.obstacles(senses, places, state.gaze), state.columns.copy()), state

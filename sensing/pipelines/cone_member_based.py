@@ -1,7 +1,8 @@
 """Member-based detection of cones: the centre of the longest run of both images is one member, the closest cone.
 
 Kirchner 2006, sections 3.6.4 to 3.6.6: the thesis's own. The input lies on the cone's near side, at the distance |d| of
-equation 3.5. With several colours the member's id is the number of its colour.
+equation 3.5. With several colours the member's id is the number of its colour. Of the other image's longest run, where
+that is another cone's, only the sonar makes use: its cone is no obstacle either.
 """
 
 from __future__ import annotations
@@ -9,15 +10,16 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import mujoco
+import numpy as np
 
-from flocking.types import NO_OBSTACLES, Floats, Own
+from flocking.types import Floats, Own
 from sensing.camera import looking
 from sensing.camera.colours import HSV
 from sensing.camera.cones import RADIUS_M
 from sensing.camera.runs import LARGEST_HOLE_PX, ROW, longest
-from sensing.types import Detection, Senses
+from sensing.types import NOBODY, Detection, Senses
 
-READS = frozenset({"images"})
+READS = frozenset({"images", "echoes"})
 GIVES = frozenset({"positions", "bearings"})
 
 
@@ -36,7 +38,7 @@ class Parameters(NamedTuple):
     pixels_per_degree: looking.Assumption = looking.EQUAL_ANGLE
     """`equal-angle`: the same for all columns, whatever the lens (5.12); `lens`: each column's own bearing."""
     offset: looking.Offset = looking.CAMERA
-    """Where distances are counted from: each `camera`, or (`none`) the robot's centre."""
+    """Where places are told from (`looking.OFFSETS`)."""
 
 
 def start(parameters: Parameters, member_model: mujoco.MjModel, member_height_m: float, angles: Floats) -> looking.Gaze:
@@ -48,10 +50,11 @@ def detect(senses: Senses, own: Own, state: looking.Gaze) -> tuple[Detection, lo
     """One row, or none where no pixel of either image is a cone's."""
     if senses.images is None:
         members, columns = looking.nothing_seen(state)
-        return Detection(members, NO_OBSTACLES, columns), state
+        return Detection(members, looking.obstacles(senses, members.positions, state), columns), state
     state = looking.labelled(senses.images, state)
     left, right = (longest(labels, state.colours, state.largest_hole_px) for labels in state.labels)
     seen = looking.sighted(left[left[:, ROW] >= 0], right[right[:, ROW] >= 0], state.eyes)
-    closest = looking.cones(seen, state, 1)
-    members = looking.members_of(closest.positions, closest.colours, state.colours > 1)
-    return Detection(members, NO_OBSTACLES, closest.columns), state
+    cones = looking.cones(seen, state, 2)
+    members = looking.members_of(cones.positions[:1], cones.colours[:1], state.colours > 1)
+    closest = np.where(cones.columns == 0, 0, NOBODY)
+    return Detection(members, looking.obstacles(senses, cones.positions, state), closest), state

@@ -13,14 +13,14 @@ import mujoco
 import numpy as np
 
 from flocking.compilation import compiled
-from flocking.types import NO_OBSTACLES, Floats, Ints, Own
+from flocking.types import Floats, Ints, Own
 from sensing.camera import looking
 from sensing.camera.colours import HSV
 from sensing.camera.cones import RADIUS_M
 from sensing.camera.runs import LARGEST_HOLE_PX, accepted
 from sensing.types import Detection, Senses
 
-READS = frozenset({"images"})
+READS = frozenset({"images", "echoes"})
 GIVES = frozenset({"positions", "bearings"})
 
 
@@ -41,7 +41,7 @@ class Parameters(NamedTuple):
     pixels_per_degree: looking.Assumption = looking.EQUAL_ANGLE
     """`equal-angle`: the same for all columns, whatever the lens (5.12); `lens`: each column's own bearing."""
     offset: looking.Offset = looking.CAMERA
-    """Where distances are counted from: each `camera`, or (`none`) the robot's centre."""
+    """Where places are told from (`looking.OFFSETS`)."""
 
 
 def start(parameters: Parameters, member_model: mujoco.MjModel, member_height_m: float, angles: Floats) -> looking.Gaze:
@@ -53,7 +53,7 @@ def detect(senses: Senses, own: Own, state: looking.Gaze) -> tuple[Detection, lo
     """One row a column, in the order of the columns, those of the left image first."""
     if senses.images is None:
         members, columns = looking.nothing_seen(state)
-        return Detection(members, NO_OBSTACLES, columns), state
+        return Detection(members, looking.obstacles(senses, members.positions, state), columns), state
     state = looking.labelled(senses.images, state)
     left, right = (
         accepted(labels, state.colours, state.largest_hole_px, state.minimum_run_px) for labels in state.labels
@@ -61,7 +61,8 @@ def detect(senses: Senses, own: Own, state: looking.Gaze) -> tuple[Detection, lo
     cones = looking.cones(looking.sighted(left, right, state.eyes), state, len(left) + len(right))
     kept = _kept(cones.columns, len(cones.colours))
     positions, ids, columns = looking.spread(kept, cones.distances, cones.colours, *state.eyes)
-    return Detection(looking.members_of(positions, ids, state.colours > 1), NO_OBSTACLES, columns), state
+    members = looking.members_of(positions, ids, state.colours > 1)
+    return Detection(members, looking.obstacles(senses, positions, state), columns), state
 
 
 @compiled

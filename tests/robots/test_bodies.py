@@ -18,11 +18,17 @@ from robots.body import Body
 
 NAMES = bodies.names()
 DT = 0.1
-STEP = physics.TIMESTEP
+WHEELED = [name for name in NAMES if any(geom.name.endswith("_tyre") for geom in bodies.load(name).spec().geoms)]
+"""Bodies that stand still by themselves and roll."""
 
 
 @pytest.fixture(params=NAMES)
 def body(request: pytest.FixtureRequest) -> Body:
+    return bodies.load(request.param)
+
+
+@pytest.fixture(params=WHEELED)
+def wheeled(request: pytest.FixtureRequest) -> Body:
     return bodies.load(request.param)
 
 
@@ -38,7 +44,7 @@ class Alone:
     def run(self, seconds: float) -> float:
         """Its greatest speed over ground in that time, m/s."""
         fastest = 0.0
-        for _ in range(round(seconds / STEP)):
+        for _ in range(round(seconds / self.model.opt.timestep)):
             self.fleet.before_step(self.data)
             mujoco.mj_step(self.model, self.data)
             self.fleet.after_step(self.data)
@@ -51,7 +57,8 @@ def test_every_folder_with_a_body_is_found() -> None:
     home = Path(str(robots.__file__)).parent
     told = {path.parent.name for path in home.glob("*/__init__.py") if "BODY" in path.read_text(encoding="utf-8")}
     assert {name.replace("-", "_") for name in NAMES} == told
-    assert {"create", "create-small", "create-with-cameras", "pioneer"} <= set(NAMES)
+    assert {"create", "create-small", "create-with-cameras", "pioneer", "one-legged"} <= set(NAMES)
+    assert set(NAMES) - set(WHEELED) == {"one-legged"}
 
 
 def test_names_may_have_hyphens_or_underscores_and_the_nearest_is_offered() -> None:
@@ -112,21 +119,21 @@ def test_its_constants_stand_in_modules_that_exist(body: Body) -> None:
     assert all(constant.remark for constant in told)
 
 
-def test_it_rests_where_it_is_put(body: Body) -> None:
+def test_it_rests_where_it_is_put(wheeled: Body) -> None:
     """At z = 0 and upright, to a hundredth of what a laser reads (a millimetre)."""
-    alone = Alone(body)
+    alone = Alone(wheeled)
     alone.run(3.0)
     np.testing.assert_allclose(alone.data.qpos[:3], 0.0, atol=1e-5)
     np.testing.assert_allclose(alone.data.qpos[4:6], 0.0, atol=1e-5)
 
 
-def test_tyres_are_pressed_in_by_their_margins(body: Body) -> None:
+def test_tyres_are_pressed_in_by_their_margins(wheeled: Body) -> None:
     """By (1 − d) A N / K under the load N, to a hundredth: so each wheel rolls on its nominal radius."""
-    alone = Alone(body)
+    alone = Alone(wheeled)
     alone.run(3.0)
     model, data, force = alone.model, alone.data, np.empty(6)
     tyres = [c for c in range(data.ncon) if model.geom(data.contact[c].geom2).name.endswith("_tyre")]
-    assert len(tyres) == sum(name.name.endswith("_tyre") for name in body.spec().geoms) >= 2
+    assert len(tyres) == sum(name.name.endswith("_tyre") for name in wheeled.spec().geoms) >= 2
     for c in tyres:
         mujoco.mj_contactForce(model, data, c, force)
         geom = data.contact[c].geom2
@@ -140,7 +147,6 @@ def test_its_mounts_stand_where_it_says(body: Body) -> None:
     model = body.spec().compile()
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
-    assert body.mounts
     for mount in body.mounts.values():
         site = data.site(mount.site)
         assert site.xpos[2] == pytest.approx(mount.height_m, abs=1e-12)
@@ -155,11 +161,14 @@ def test_all_lasers_scan_one_plane() -> None:
 
 
 def test_its_radius_is_its_hulls(body: Body) -> None:
-    """The greatest distance from its axis of what meets walls: of a sphere, the centre's distance and its radius."""
+    """The greatest distance from its axis of what meets walls: of a sphere or an upright capsule, the centre's distance
+    and its radius."""
     model = body.spec().compile()
-    hulls = np.flatnonzero(model.geom_contype & physics.HULL_MASK)
+    hulls = np.flatnonzero((model.geom_contype | model.geom_conaffinity) & physics.HULL_MASK)
     assert len(hulls)
-    assert (model.geom_type[hulls] == mujoco.mjtGeom.mjGEOM_SPHERE).all()
+    round_ = (mujoco.mjtGeom.mjGEOM_SPHERE, mujoco.mjtGeom.mjGEOM_CAPSULE)
+    assert np.isin(model.geom_type[hulls], round_).all()
+    np.testing.assert_array_equal(model.geom_quat[hulls], [(1.0, 0.0, 0.0, 0.0)] * len(hulls))
     reach = np.hypot(*model.geom_pos[hulls, :2].T) + model.geom_size[hulls, 0]
     assert reach.max() == body.radius
 
@@ -174,12 +183,12 @@ def test_hulls_of_all_kinds_meet_at_their_equators() -> None:
     assert len(heights) == 1
 
 
-def test_it_reaches_its_top_speed_and_no_more(body: Body) -> None:
+def test_it_reaches_its_top_speed_and_no_more(wheeled: Body) -> None:
     """The wheels roll on their nominal radius to a thousandth; a command beyond the top speed is no faster."""
-    for wanted in (body.top_speed, 2.0 * body.top_speed):
-        alone = Alone(body)
+    for wanted in (wheeled.top_speed, 2.0 * wheeled.top_speed):
+        alone = Alone(wheeled)
         alone.fleet.command(0, wanted, 0.0)
-        assert alone.run(4.0) == pytest.approx(body.top_speed, rel=5e-3)
+        assert alone.run(4.0) == pytest.approx(wheeled.top_speed, rel=5e-3)
 
 
 @pytest.mark.parametrize("kind", list(Kind))

@@ -14,7 +14,8 @@ from flocking.types import Own
 from robots import body
 from sensing.camera.images import Images
 from sensing.camera.lens import Lens, column_angles
-from sensing.types import NOBODY, Scan, Senses, WorldTruth
+from sensing.sonar import RING
+from sensing.types import NOBODY, Echoes, Scan, Senses, WorldTruth
 from tests.sensing.camera.scenes import model_with_cameras
 
 CREATE = body.load("create")
@@ -43,7 +44,9 @@ def senses_of(rng: np.random.Generator, robots: int = 6) -> Senses:
     truth = WorldTruth(poses, rng.normal(size=(robots, 2)), np.full(robots, 0.165), int(rng.integers(robots)), walls)
     owners = np.where(np.isfinite(ranges), rng.integers(-1, robots, 682), NOBODY)
     images = Images(float(rng.random()), picture_of(rng), picture_of(rng))
-    return Senses(Scan(0.0, ANGLES, ranges, intensities), truth, owners, images)
+    heard = np.where(rng.random(len(RING)) < 0.7, rng.uniform(0.1, 5.0, len(RING)), math.inf)
+    echoes = Echoes(heard, np.array(RING), 0.47)
+    return Senses(Scan(0.0, ANGLES, ranges, intensities), truth, owners, images, echoes)
 
 
 def picture_of(rng: np.random.Generator) -> np.ndarray:
@@ -68,11 +71,12 @@ def nothing() -> Senses:
         truth,
         np.full(682, NOBODY, dtype=np.int64),
         Images(0.0, grey, grey.copy()),
+        Echoes(np.full(len(RING), math.inf), np.array(RING), 0.47),
     )
 
 
 def only_what_it_reads(senses: Senses, reads: frozenset[str]) -> Senses:
-    scan, truth, owners, images = senses
+    scan, truth, owners, images, echoes = senses
     if scan is not None and "intensity" not in reads:
         scan = scan._replace(intensities=np.full(682, np.nan))
     return Senses(
@@ -80,6 +84,7 @@ def only_what_it_reads(senses: Senses, reads: frozenset[str]) -> Senses:
         truth if "truth" in reads else None,
         owners if "owners" in reads else None,
         images if "images" in reads else None,
+        echoes if "echoes" in reads else None,
     )
 
 
@@ -99,7 +104,7 @@ def test_the_published_three_and_the_perfect_one_are_found():
 
 def test_it_declares_what_it_reads_and_its_parameters(pipeline):
     assert pipeline.__doc__
-    assert frozenset() < pipeline.READS <= {"scan", "intensity", "truth", "owners", "images"}
+    assert frozenset() < pipeline.READS <= {"scan", "intensity", "truth", "owners", "images", "echoes"}
     assert "scan" in pipeline.READS or "intensity" not in pipeline.READS
     for parameter in declared(pipeline.Parameters).values():
         assert parameter.about.source

@@ -4,55 +4,19 @@ from __future__ import annotations
 
 import math
 
-import mujoco
 import numpy as np
 import pytest
 
 from flocking.errors import InputError
 from robots import body as bodies
-from robots.physics import apply_options
-from sensing.sonar import HALF_WIDTH_RAD, LEAST_M, MOST_M, RAYS, RING, Sonars, obstacles
+from sensing.sonar import HALF_WIDTH_RAD, LEAST_M, MOST_M, RAYS, RING, Sonars
+from tests.sensing.rooms import Room
 from worlds import assemble
 
 HEIGHT = bodies.load("pioneer").mount("sonar").height_m
 HEADINGS = np.array([heading for _, _, heading in RING])
 ANGLES = HEADINGS[:, None] + np.linspace(-HALF_WIDTH_RAD, HALF_WIDTH_RAD, RAYS)
 """(S, R) of all rays, with a Pioneer that faces +x."""
-
-
-class Room:
-    """Pioneers at (x, y, heading) among boxes (x, y, half sizes) and poles (x, y, radius)."""
-
-    def __init__(
-        self,
-        *poses: tuple[float, float, float],
-        boxes: tuple[tuple[float, float, float, float], ...] = (),
-        poles: tuple[tuple[float, float, float], ...] = (),
-        top: float = 0.5,
-    ) -> None:
-        spec = mujoco.MjSpec()
-        apply_options(spec)
-        for x, y, a, b in boxes:
-            spec.worldbody.add_geom(
-                type=mujoco.mjtGeom.mjGEOM_BOX, size=(a, b, top / 2), pos=(x, y, top / 2), userdata=(0.8, 0.0)
-            )
-        for x, y, radius in poles:
-            spec.worldbody.add_geom(
-                type=mujoco.mjtGeom.mjGEOM_CYLINDER, size=(radius, top / 2, 0), pos=(x, y, top / 2), userdata=(0.8, 0.0)
-            )
-        for k, (x, y, heading) in enumerate(poses or ((0.0, 0.0, 0.0),)):
-            quat = (math.cos(heading / 2), 0, 0, math.sin(heading / 2))
-            spec.attach(
-                bodies.load("pioneer").spec(), prefix=f"{k}/", frame=spec.worldbody.add_frame(pos=(x, y, 0), quat=quat)
-            )
-        self.model = spec.compile()
-        self.data = mujoco.MjData(self.model)
-        count = max(1, len(poses))
-        roots = [self.model.body(f"{k}/base").id for k in range(count)]
-        self.sonars = Sonars(self.model, [f"{k}/sonar" for k in range(count)], roots)
-
-    def read(self, k: int = 0) -> np.ndarray:
-        return self.sonars.read(self.data, k)
 
 
 def expected_of_wall(distance: float) -> np.ndarray:
@@ -133,27 +97,6 @@ def test_a_robot_that_leans_is_told() -> None:
     room.data.qpos[3:7] = (math.cos(0.1), 0.0, math.sin(0.1), 0.0)
     with pytest.raises(InputError, match=r"0/base.* leans by more than 3 degrees"):
         room.read()
-
-
-def test_obstacles_lie_on_the_axes_at_the_ranges() -> None:
-    ring = np.array(RING)
-    ranges = np.full(16, math.inf)
-    assert obstacles(ranges, ring).points.shape == (0, 2)
-    ranges[0], ranges[12] = 1.0, 2.0
-    found = obstacles(ranges, ring).points
-    np.testing.assert_allclose(found[0], (0.147, 1.136), atol=1e-12)
-    c, s = math.cos(math.radians(170.0)), math.sin(math.radians(170.0))
-    np.testing.assert_allclose(found[1], (-0.241 + 2.0 * c, 0.027 + 2.0 * s), atol=1e-12)
-
-
-def test_a_walls_obstacles_lie_no_farther_off_it_than_a_cone_is_wide() -> None:
-    """The robot takes each echo to have come along the axis: so a wall appears bent, and never farther off."""
-    room = Room(boxes=((1.6, 0.0, 0.1, 40.0),))
-    ranges = room.read()
-    points = obstacles(ranges, room.sonars.ring).points
-    assert len(points) >= 4
-    assert (points[:, 0] <= 1.5 + 1e-9).all()
-    assert points[:, 0].max() == pytest.approx(0.245 + (1.5 - 0.245) * math.cos(math.radians(10.0)), abs=1e-9)
 
 
 def test_the_ring_is_symmetric_and_its_angles_are_arias() -> None:

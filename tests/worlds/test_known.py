@@ -26,7 +26,7 @@ def test_the_corridor_has_the_walls_that_it_always_had() -> None:
 
 
 def test_worlds_are_found_by_what_their_files_define() -> None:
-    assert known.names() == ["corridor", "octagon", "open-floor", "t-junction"]
+    assert known.names() == ["corridor", "octagon", "open-floor", "post", "t-junction"]
     assert known.load("open_floor").free_length((), 0.1) == math.inf
     for name in ("coridor", "assemble", "walls"):
         with pytest.raises(InputError, match="unknown world"):

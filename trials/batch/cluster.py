@@ -25,7 +25,10 @@ from trials.simulations import watch
 from trials.types import Trial
 
 CONNECT_S = 5.0
-"""Wall time in which a scheduler must answer."""
+"""Wall time in which a scheduler must take a connection, and give each of its answers."""
+GREET_S = 15.0
+"""Wall time in which it must have given all of those with which a connection begins: Dask itself waits without end for
+the first of them."""
 ASK_S = 30.0
 """Wall time in which workers are to say what they are, before the first trial."""
 CLOSE_S = 2.0
@@ -128,17 +131,25 @@ def _client(address: str) -> Any:
     if not _ADDRESS.fullmatch(address):
         raise InputError(f"--cluster {address!r}: expected the address of a scheduler, as in tcp://192.168.1.5:8786")
     _check_certificates(address)
-    client = distributed.Client.__new__(distributed.Client)
+
+    class Client(distributed.Client):
+        """One that waits no longer than that for what takes its connection and stays silent."""
+
+        def start(self, **given: Any) -> None:
+            super().start(callback_timeout=GREET_S, **given)
+
+    client: Any = Client.__new__(Client)
     try:
         with warnings.catch_warnings(action="ignore"):  # versions are compared here
             client.__init__(address, timeout=CONNECT_S, set_as_default=False)
-    except OSError:
-        raise InputError(
-            f"--cluster {address}: no Dask scheduler answered there within {CONNECT_S:g} s; start one with: "
-            "dask scheduler"
-        ) from None
-    except Exception as error:
+    except OSError as error:
         client.status = "closed"  # else its end waits in vain for a connection that it never had, and prints that
+        told = f"no Dask scheduler answered there within {CONNECT_S:g} s"
+        if isinstance(error, TimeoutError):
+            told = f"what takes the connection there does not answer as a Dask scheduler does, within {GREET_S:g} s"
+        raise InputError(f"--cluster {address}: {told}; start one with: dask scheduler") from None
+    except Exception as error:
+        client.status = "closed"
         raise InputError(
             f"--cluster {address}: cannot speak to what answers there ({one_line(str(error))}); expected a Dask "
             f"scheduler with distributed {distributed.__version__}"

@@ -1,7 +1,7 @@
 """The time series of a trial as one file, enough for every figure: a `TrialResult` as the bytes of an .npz.
 
 Equal results are equal bytes: the times inside the zip are fixed, the order is that of the types' fields.
-What differs from run to run (timing) and what only a recording needs (scans, pictures) stays out.
+What differs from run to run (timing) and what only a recording needs (scans, pictures, echoes) stays out.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ FORMAT = 3
 HEAD = "result.json"
 """The entry of the zip file with the trial and everything that is no array."""
 
-_LEFT_OUT = ("scans", "pictures", "timing", "tables")
+_LEFT_OUT = ("scans", "pictures", "heard", "timing", "tables")
 TABLES = "tables."
 """Before the names of a result's tables."""
 _PARTS = {"updates": Updates, "contacts": Contacts}

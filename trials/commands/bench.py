@@ -26,7 +26,7 @@ import numpy as np
 from flocking.errors import InputError
 from flocking.types import Floats
 from robots import body as bodies
-from trials.commands import bench_eyes, bench_kinematic, bench_plan, bench_validation
+from trials.commands import bench_eyes, bench_kinematic, bench_legs, bench_plan, bench_validation
 from trials.commands.bench_figures import REPEATS, Figure, processor_s, repeated, timed, wall_s
 from trials.design import plan
 from trials.simulations.robots.fields import of_trial
@@ -182,6 +182,18 @@ def eyes() -> list[Figure]:
     return bench_eyes.figures()
 
 
+def legs() -> list[Figure]:
+    """One-legged robots that run over open ground, on one core: the whole loop, and bare mj_step beside it."""
+    found = bench_legs.measured(REPEATS, SECONDS / 5.0)
+    herd, (small, large) = f"{bench_legs.HERD} one-legged robots", bench_legs.SIZES
+    return [
+        Figure("1 one-legged robot", "x real time", found["one"], 500.0),
+        Figure(herd, "x real time", found["herd"], 8.0),
+        Figure(f"{herd}, against bare mj_step", "x", found["bare"], 1.4, at_least=False),
+        Figure(f"cost per one-legged robot, {large} against {small}", "ratio", found["growth"], 2.0, at_least=False),
+    ]
+
+
 def growth() -> list[Figure]:
     """Cost per robot as the herd and its world grow together."""
     costs: dict[int, tuple[float, ...]] = {}
@@ -316,6 +328,7 @@ MEASURES: Sequence[Callable[[], list[Figure]]] = (
     floor_plan,
     piloting,
     eyes,
+    legs,
     growth,
     recording,
     workers,

@@ -145,6 +145,25 @@ def pilot(
     piloting.pilot(experiment, number, times, options.settings(settings or []), out)
 
 
+def watch(
+    experiment: Annotated[str, Argument(help="Whose herd has a creature that a user controls.")] = "herd-steady",
+    number: Annotated[int, Option("--trial", parser=whole(1), metavar="K", help="Number of a trial, from 1.")] = 1,
+    times: Annotated[float, Option(metavar="X", help="Times real time, where the machine is fast enough.")] = 1.0,
+    settings: Settings = None,
+    out: Annotated[Path | None, Option(metavar="FILE.rrd", help="Gets the recording.")] = None,
+) -> None:
+    """Runs one herd in MuJoCo's viewer, where you steer the creature that it follows.
+
+    Arrows: faster, slower, left, right; space: stand; Escape or closing the window ends it. What you did is told as a
+    script for --set. Keys of --set are the experiment's.
+    """
+    from trials.commands import options, watching
+
+    if not times > 0.0:
+        raise InputError(f"--times {times:g}: expected a number above 0")
+    watching.watch(experiment, number, times, options.settings(settings or []), out)
+
+
 def map_(
     schema: Annotated[str, Argument(metavar="SCHEMA", help="Its name, or the path of your own file.")],
     out: Annotated[Path, Option(metavar="DIR", help="A new folder: map.csv, map.json and figures.")],
@@ -199,3 +218,4 @@ def add_to(app: Typer) -> None:
     app.command("map")(map_)
     app.command()(plan)
     app.command()(pilot)
+    app.command()(watch)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Protocol
+from typing import Any, Protocol
 
 from trials.rows import Section
 from trials.types import Group, Measure, Trial, TrialResult
@@ -20,6 +20,18 @@ class KeysOf(Protocol):
 Watcher = Callable[[float, int, int, int, int], bool]
 """(time in s, walls cleared so far, walls that are left, members past the next one or in the goal, members on their
 course) → whether the next one is cleared now; not heeded where none is left. Raises `StoppedError` to end the trial."""
+
+
+class Rider(Protocol):
+    """Who steers the user's creature of a herd while it runs."""
+
+    def begin(self, model: Any, data: Any) -> None:
+        """Is handed the MuJoCo model and data to be looked at; what is in them changes as the trial runs."""
+
+    def velocity(self, time: float) -> tuple[float, float]:
+        """How the creature is to run from this time (s) on: m/s along the world's x and y.
+
+        Raises `StoppedError` to end the trial."""
 
 
 class StoppedError(Exception):
@@ -68,6 +80,9 @@ class Simulation:
     watched: Callable[[Trial, str, Watcher], TrialResult] | None = None
     """(trial, scans to keep, who says when the herd has cleared what guides it) → what was measured. Refuses a trial in
     which nothing is to be said. None: there are no such trials."""
+    steered: Callable[[Trial, Rider], TrialResult] | None = None
+    """(trial, who steers its user's creature) → what was measured; the result's trial repeats the ride. None: there is
+    nobody to steer."""
     write_images: Callable[[Trial, Path, float], int] | None = None
     """(trial, folder, time between two moments in s) → how many labelled images of what its robots' cameras see were
     written. None: there are no cameras."""

@@ -11,8 +11,8 @@ from numpy.testing import assert_allclose
 from scipy.integrate import quad
 
 from flocking import lawentry
-from flocking.types import Bools, Floats, Kind
-from tests.flocking.laws.flocks import ROUNDING, Flock, scattered, spread
+from flocking.types import Bools, Floats, Kind, Obstacles
+from tests.flocking.laws.flocks import ROUNDING, Flock, rotation, scattered, spread
 from trials.simulations.kinematic.fields import GroupNames
 
 
@@ -285,3 +285,54 @@ class TestHodginsBrogan:
         # the user is held back by what the herd adds to its nominal velocity: nothing, once all is at rest
         assert_allclose(flock.velocities, np.tile([2.0, 0.0], (15, 1)), atol=0.05)
         assert flock.gaps().min() > 0.5
+
+    def beside(self, obstacles: list[list[float]], **set_to: float) -> float:
+        """How far to the left a member that runs along x would like to be."""
+        module = lawentry.module_of("hodgins-brogan")
+        given = {"obstacle_radius_m": 2.0, "look_ahead_m": 10.0, **set_to}
+        points = np.array(obstacles, dtype=np.float64).reshape(-1, 2)
+        return float(module.beside.py_func(points, np.array([2.0, 0.0]), module.Parameters(**given)))
+
+    def nearest_of(self, x: float, y: float, radius: float = 2.0) -> list[float]:
+        """The nearest point of a disc about (x, y)."""
+        distance = math.hypot(x, y)
+        return [x * (1.0 - radius / distance), y * (1.0 - radius / distance)]
+
+    def test_a_member_whose_course_runs_into_a_disc_aims_at_one_and_a_half_radii_from_its_centre(self) -> None:
+        for aside in (0.5, -0.5, 1.9, -1.9):
+            # the centre lies that far to the left: the member passes it on the other side
+            way = self.beside([self.nearest_of(6.0, aside)])
+            assert way == pytest.approx(aside - math.copysign(3.0, aside), abs=1e-9)
+
+    @pytest.mark.parametrize(
+        ("x", "y", "set_to"),
+        [
+            (6.0, 2.1, {}),  # its course passes the disc
+            (-6.0, 0.5, {}),  # it is behind
+            (13.0, 0.5, {}),  # its surface is farther away than the look-ahead
+            (6.0, 0.5, {"obstacle_radius_m": 0.0}),  # nothing is told of obstacles
+            (6.0, 0.0, {}),  # dead ahead: no side is the nearer one
+        ],
+    )
+    def test_other_discs_change_nothing(self, x: float, y: float, set_to: dict[str, float]) -> None:
+        assert self.beside([self.nearest_of(x, y)], **set_to) == 0.0
+
+    def test_of_two_discs_the_nearer_one_counts(self) -> None:
+        near, far = self.nearest_of(5.0, 1.0), self.nearest_of(9.0, -1.0)
+        assert self.beside([far, near]) == self.beside([near])
+
+    def test_one_alone_turns_beside_the_disc_and_keeps_its_speed(self) -> None:
+        flock = Flock("hodgins-brogan", [[0.0, 0.0]], dt=0.02, obstacle_radius_m=2.0)
+        flock.velocities[:] = [2.0, 0.0]
+        nearest = math.inf
+        for _ in range(500):
+            away = np.array([8.0, 0.3]) - flock.positions[0]
+            distance = float(np.hypot(*away))
+            nearest = min(nearest, distance)
+            point = away * (1.0 - 2.0 / distance) @ rotation(flock.headings[0])
+            flock.obstacles = Obstacles(point[None])
+            flock.step()
+            assert np.hypot(*flock.velocities[0]) == pytest.approx(2.0)
+        # a course that touches the disc, turned in steps: each ends at most 2 m/s · 0.02 s too near
+        assert nearest > 2.0 - 0.04
+        assert flock.positions[0, 0] > 10.0

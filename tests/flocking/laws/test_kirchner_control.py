@@ -66,6 +66,14 @@ class TestMessage:
         assert both[1:] == each[0][1:]
         assert seen(positions, velocities) == each[0]
 
+    @pytest.mark.parametrize("nearest_only", [True, False])
+    def test_one_seen_for_the_first_time_has_a_distance_and_a_bearing(self, nearest_only: bool) -> None:
+        told = seen([[0.2, 0.1], [2.0, 0.0]], [[math.nan, math.nan], [0.1, 0.3]], nearest_only=nearest_only)
+        alone = seen([[2.0, 0.0]], [[0.1, 0.3]], nearest_only=False)
+        assert told == (0.0 if nearest_only else alone.omega, 0.0, math.hypot(0.2, 0.1), math.atan2(0.1, 0.2))
+        _, rule = control(told, memory_at(0.3))
+        assert rule == "danger"  # it stops without knowing whether the other closes in
+
     def test_nobody_is_no_distance(self) -> None:
         assert seen([], (0.0, 0.0)) == pytest.approx(tuple(NOBODY), nan_ok=True)
         assert math.isnan(NOBODY.distance)

@@ -247,9 +247,12 @@ import socket, sys, threading
 from flocking.errors import InputError
 from trials.batch import cluster
 
+cluster.GREET_S, kept = 0.5, []
+
 def answer(listening):
     while True:
-        listening.accept()[0].sendall(b"HTTP/1.0 400 no" * 100)
+        kept.append(listening.accept()[0])
+        kept[-1].sendall(sys.argv[2].encode() * 100)
 
 with socket.create_server(("127.0.0.1", 0)) as listening:
     threading.Thread(target=answer, args=(listening,), daemon=True).start()
@@ -261,21 +264,22 @@ with socket.create_server(("127.0.0.1", 0)) as listening:
 
 
 @pytest.mark.parametrize(
-    ("scheme", "certificate", "told"),
+    ("scheme", "certificate", "answer", "told"),
     [
-        ("tls", "", "Dask's configuration names none; expected distributed.comm.tls.ca-file"),
-        ("wss", "", "Dask's configuration names none; expected distributed.comm.tls.ca-file"),
-        ("tls", "nowhere.pem", "names some that cannot be read ([Errno 2] No such file or directory"),
-        ("tcp", "", "cannot speak to what answers there"),
+        ("tls", "", "", "Dask's configuration names none; expected distributed.comm.tls.ca-file"),
+        ("wss", "", "", "Dask's configuration names none; expected distributed.comm.tls.ca-file"),
+        ("tls", "nowhere.pem", "", "names some that cannot be read ([Errno 2] No such file or directory"),
+        ("tcp", "", "HTTP/1.0 400 no", "cannot speak to what answers there"),
+        ("tcp", "", "", "does not answer as a Dask scheduler does, within 0.5 s; start one with: dask scheduler"),
     ],
 )
 def test_what_cannot_be_spoken_to_is_told_in_one_line_and_nothing_comes_after_it(
-    scheme: str, certificate: str, told: str
+    scheme: str, certificate: str, answer: str, told: str
 ) -> None:
     """In a process of its own, to its end: a client of Dask that is not closed tells of that when it is removed."""
     tls = {"CA_FILE": certificate, "CLIENT__CERT": certificate, "CLIENT__KEY": certificate}
     given = {f"DASK_DISTRIBUTED__COMM__TLS__{name}": value for name, value in tls.items() if value}
-    words = [sys.executable, "-c", ALONE, scheme]
+    words = [sys.executable, "-c", ALONE, scheme, answer]
     env = {**dask_cluster.environment(dask_cluster.HOME), **given}
     ended = subprocess.run(words, env=env, capture_output=True, text=True, timeout=dask_cluster.DEADLINE_S)
     assert ended.stderr == ""

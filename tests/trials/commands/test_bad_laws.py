@@ -58,6 +58,7 @@ class Here:
         ),
         (LAW_HEAD + "    return Motion(Kind.STOP, 0.0, 0.0, 0)\nSETS = {'near': 'k-nearest(-1)'}\n", "at least 1"),
         (LAW_HEAD + "    return Motion(Kind.STOP, 0.0, 0.0, 0)\nNEEDS = {'smells'}\n", "smells"),
+        (LAW_HEAD + "    return Motion(Kind.STOP, 0.0, 0.0, 0)\nMAY_LACK = {'headings'}\n", "MAY_LACK ['headings']"),
         (
             LAW_HEAD + "    return Motion(Kind.STOP, 0.0, 0.0, 0)\nRELATIONS = ('a < b',)\n",
             "relation 'a < b': expected NAME",

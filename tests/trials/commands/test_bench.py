@@ -14,7 +14,7 @@ from numpy.testing import assert_allclose
 
 from flocking.errors import InputError
 from flocking.kinematic import plain
-from trials.commands import bench, bench_eyes, bench_figures, bench_kinematic, bench_validation
+from trials.commands import bench, bench_eyes, bench_figures, bench_kinematic, bench_legs, bench_validation
 
 
 def test_every_measure_gives_finite_figures_that_are_saved_and_compared(
@@ -34,6 +34,8 @@ def test_every_measure_gives_finite_figures_that_are_saved_and_compared(
     monkeypatch.setattr(bench, "LARGE", 8)
     monkeypatch.setattr(bench_kinematic, "SIZES", (100, 200))
     monkeypatch.setattr(bench_kinematic, "STEPS", 1)
+    monkeypatch.setattr(bench_legs, "HERD", 8)
+    monkeypatch.setattr(bench_legs, "SIZES", (2, 4))
     whole = bench.guided_trial()
     assert [group.count for group in whole.groups] == [4, 6]
     short = dataclasses.replace(whole, setup={**whole.setup, "duration_s": 1.0})
@@ -50,6 +52,7 @@ def test_every_measure_gives_finite_figures_that_are_saved_and_compared(
     assert len(medians) == len(figures)  # a saved figure is found again by its name
     assert medians["rays"] * medians["rays of a scan"] == pytest.approx(682)
     assert medians["beams off by more than 1 cm"] <= 0.2
+    assert medians["8 one-legged robots"] > 0.0
     assert medians["a trial of piloting, 4 robots and 6 pilots"] > 0.0
     assert medians["8 robots, built and measured too"] > 0.0  # of a run of its own: single runs are not compared
     monkeypatch.setattr(bench, "MEASURES", [bench.laser])  # a comparison sets saved figures beside whatever is measured

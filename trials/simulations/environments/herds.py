@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from typing import Any
 
 import numpy as np
 
@@ -20,12 +21,32 @@ from trials.simulations.kinematic import herd as kinematic
 from trials.streams import Purpose, stream
 from trials.types import Trial
 
+MOST_KEPT = 1000
+"""Environments that a process remembers: those of some trials, which share them with trials of other herds."""
+_kept: dict[tuple[Any, ...], Environment] = {}
+
 
 def environment(trial: Trial, number: int, chosen: fields.Chosen) -> Environment:
     """The environment of that number (from 0) of a trial: the same whatever its herd, behaviour and filter.
 
-    Raises `InputError` where the schema fails.
+    One that this process has made already is not made again. Raises `InputError` where the schema fails.
     """
+    drawn = chosen.varied, tuple(chosen.within.items())
+    key = trial.world, trial.world_source, tuple(chosen.of_schema), drawn, trial.seed, trial.repeat, number
+    if key not in _kept:
+        made = _made(trial, number, chosen)
+        if len(_kept) >= MOST_KEPT:
+            forget()
+        _kept[key] = made
+    return _kept[key]
+
+
+def forget() -> None:
+    """Has the environments of all trials made anew."""
+    _kept.clear()
+
+
+def _made(trial: Trial, number: int, chosen: fields.Chosen) -> Environment:
     rng = stream(trial.seed, trial.repeat, 0, number, Purpose.WORLD)
     schema, workspace = chosen.schema, chosen.schema.workspace()
     if not chosen.varied:

@@ -53,6 +53,11 @@ def check(trial: Trial) -> None:
                 f"{its.group.name}.speed_m_s = {its.given.speed_m_s:g}: expected at most {its.body.top_speed:g} m/s, "
                 f"the top speed of body {its.body.name!r}"
             )
+        if given.timestep_s > its.body.longest_timestep:
+            raise InputError(
+                f"timestep_s = {given.timestep_s:g}: expected at most {its.body.longest_timestep:g} s with body "
+                f"{its.body.name!r}"
+            )
         _check_sensors(its, groups)
         _check_colours(its, sum(each.given.count for each in groups))
         _check_link(its)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from typing import NamedTuple
 
 import mujoco
@@ -21,16 +21,18 @@ from sensing.camera import palette, setting
 from sensing.camera.lens import Lens, column_angles
 from sensing.camera.rendering import Cameras
 from sensing.laser import hokuyo
-from sensing.types import PipelineState, WorldTruth
+from sensing.sonar import Sonars
+from sensing.types import Echoes, PipelineState, WorldTruth
 from trials.simulations import spread
 from trials.simulations.robots import guided, link, wire
 from trials.simulations.robots.checks import check, check_start, clock
 from trials.simulations.robots.fields import of_trial
 from trials.simulations.robots.knowledge import Knowledge
 from trials.simulations.robots.obstacle_stage import ObstacleStage
-from trials.simulations.robots.resolved import LASER, Resolved
+from trials.simulations.robots.resolved import LASER, SONAR, Resolved
 from trials.simulations.robots.robot import Robot
 from trials.simulations.robots.scenario import Guided
+from trials.simulations.robots.seen import cone_of
 from trials.simulations.robots.starts import starting_poses
 from trials.streams import Purpose, stream
 from trials.types import Group, Trial
@@ -105,8 +107,9 @@ def assemble(trial: Trial, record: bool) -> Herd:
         if lasers.needs_history:
             world.observers.append(lasers.remember)
     cameras = _cameras(world, [minds[g].its for g, _ in numbers])
+    listeners = _listeners(world, [minds[g].its for g, _ in numbers])
     robots = [
-        _robot(trial, world, lasers, cameras, minds[g], g, k, index, reads[index], poses_w[index])
+        _robot(trial, world, lasers, cameras, listeners[index], minds[g], g, k, index, reads[index], poses_w[index])
         for index, (g, k) in enumerate(numbers)
     ]
 
@@ -148,6 +151,7 @@ def _robot(
     world: World,
     lasers: hokuyo.Lasers | None,
     cameras: Cameras | None,
+    listen: Callable[[mujoco.MjData], Echoes] | None,
     mind: Mind,
     group_number: int,
     member: int,
@@ -194,10 +198,11 @@ def _robot(
         fleet=world.fleet,
         lasers=lasers,
         cameras=cameras if its.reads_images else None,
+        listen=listen,
         judged=its.cameras.judged,
         imperfections=its.imperfections,
         image_rng=draw(Purpose.IMAGES),
-        needs=("velocities" in wanted.needs, "headings" in wanted.needs),
+        needs=("velocities" in wanted.of_each, "headings" in wanted.of_each),
         knowledge=Knowledge(
             world.fleet,
             index,
@@ -206,7 +211,7 @@ def _robot(
             np.array([given.goal_x_m, given.goal_y_m]) if informed else None,
             wanted.own_pose,
         ),
-        association=association.Association(its.association, wanted.needs) if wanted.associate else None,
+        association=association.Association(its.association, wanted.of_each) if wanted.associate else None,
         obstacle_stage=mind.obstacle_stage,
         role=1 if informed else given.role,
         memory=np.zeros(law.memory),
@@ -225,6 +230,18 @@ def _cameras(world: World, robots: Sequence[Resolved]) -> Cameras | None:
     if any(its.reads_images and its.cameras.colours == setting.ONE_EACH for its in robots):
         colours = [palette.rgb(k) for k in range(len(robots))]
     return Cameras(world.seen(), [prefix(name) for name in world.names], lenses, colours=colours)
+
+
+def _listeners(world: World, robots: Sequence[Resolved]) -> list[Callable[[mujoco.MjData], Echoes] | None]:
+    """For each robot what its sonars hear; None where nobody asks for that: no sonar is then read."""
+    found: list[Callable[[mujoco.MjData], Echoes] | None] = [None] * len(robots)
+    for body in {its.body.name: its.body for its in robots if its.hears}.values():
+        its_own = [k for k, its in enumerate(robots) if its.hears and its.body.name == body.name]
+        sites = [f"{prefix(world.names[k])}{body.mount(SONAR).site}" for k in its_own]
+        sonars = Sonars(world.whole, sites, [int(world.fleet.root_bodies[k]) for k in its_own])
+        for number, k in enumerate(its_own):
+            found[k] = partial(sonars.listen, k=number, cone=cone_of(body.name))
+    return found
 
 
 @cache

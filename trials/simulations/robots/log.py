@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from flocking.types import Bools, Floats, Motion
-from sensing.types import Detection, Scan
+from flocking.types import Bools, Floats, Motion, Obstacles
+from sensing.types import Detection, Echoes, Scan
 from trials.simulations.robots.pictures import Kept
 from trials.spool import Column, Rows
-from trials.types import Contacts, Scans, Trial, TrialResult, Updates
+from trials.types import Contacts, Heard, Scans, Trial, TrialResult, Updates
 
 SAMPLE_S = 0.1
 """Time between samples of the true poses."""
@@ -46,6 +46,7 @@ class Log:
     states: list[Any] = field(default_factory=list)
     scans: list[tuple[float, ...]] = field(default_factory=list)
     pictures: Kept = field(default_factory=Kept)
+    heard: list[tuple[float, int, Floats, Floats, Floats, Floats]] = field(default_factory=list)
     _columns: dict[str, Column] = field(default_factory=dict)
     _angles: Floats | None = None
     _ranges: Rows | None = None
@@ -108,6 +109,10 @@ class Log:
         self._ranges.append(scan.ranges)
         self._intensities.append(scan.intensities)
 
+    def listened(self, time: float, robot: int, pose_w: Floats, echoes: Echoes, obstacles: Obstacles) -> None:
+        """Keeps what a robot's sonars heard for the recording, and what of that it took for obstacles."""
+        self.heard.append((time, robot, pose_w.copy(), echoes.ring, echoes.ranges, obstacles.points))
+
     def wants_scan(self, robot: int, time: float) -> bool:
         """Whether the recording keeps this robot's next scan."""
         if self.keep_scans != "some":
@@ -151,6 +156,7 @@ class Log:
             reason=reason,
             timing=timing,
             pictures=self.pictures.whole(),
+            heard=self._heard(),
         )
 
     def _pack_samples(self) -> None:
@@ -198,6 +204,12 @@ class Log:
         starts = np.append(0, np.cumsum(self._whole("counts")))
         others = {part.name: self._whole(part.name) for part in fields(Updates) if part.name != "input_starts"}
         return Updates(input_starts=starts, **others)
+
+    def _heard(self) -> Heard | None:
+        if not self.heard:
+            return None
+        times, robots, poses, rings, ranges, obstacles = zip(*self.heard, strict=True)
+        return Heard(np.array(times), np.array(robots, np.int64), np.array(poses), rings, ranges, obstacles)
 
     def _scans(self) -> Scans | None:
         if self._angles is None or self._ranges is None or self._intensities is None:

@@ -12,6 +12,7 @@ import numpy as np
 
 from flocking.errors import InputError, StorageError
 from flocking.types import Floats
+from robots.fleets import fallen_at
 from sensing.truth import judge
 from trials.simulations import judged, watch
 from trials.simulations.contract import StoppedError, Watcher
@@ -50,8 +51,10 @@ def run_trial(
     """
     from trials.simulations.robots.measures import measure
     from trials.simulations.robots.measures_eyes import eyes, has_eyes
+    from trials.simulations.robots.measures_falls import falls
     from trials.simulations.robots.measures_guided import guidance
     from trials.simulations.robots.measures_odometry import reckoned
+    from trials.simulations.robots.measures_splitting import splitting
 
     if scans not in ("none", "some", "all"):
         raise InputError(f"scans {scans!r}: expected none, some or all")
@@ -96,9 +99,10 @@ def run_trial(
     if herd.scenario is not None:
         found |= guidance(result)
     if has_eyes(trial):
-        found |= eyes(result)
+        found |= eyes(result) | splitting(result)
     if any(of_group(each).own_motion == ODOMETRY for each in trial.groups):
         found |= reckoned(result)
+    found |= falls(fallen_at(herd.world.fleet))
     found |= link.counts([robot.link for robot in herd.robots if robot.link is not None])
     return dataclasses.replace(result, measures=found)
 
@@ -161,6 +165,8 @@ def run(herd: Herd, log: Log, last: int) -> None:
         log.update(data.time, k, poses_w[k], detection, selected, judgement, motion, command)
         if keep and senses.scan is not None:
             log.scan(data.time, k, poses_w[k], senses.scan)
+        if keep and senses.echoes is not None:
+            log.listened(data.time, k, poses_w[k], senses.echoes, detection.obstacles)
         if keep and senses.images is not None:
             log.pictures.keep(k, senses.images, detection, robot.taken_for())
 

@@ -12,6 +12,7 @@ from flocking.measures import formation
 from flocking.types import Floats
 from robots import body as bodies
 from trials.simulations.robots.fields import of_group
+from trials.simulations.robots.resolved import Resolved
 from trials.simulations.robots.seen import exact_inputs
 from trials.types import Measure, Trial, TrialResult
 
@@ -32,6 +33,12 @@ ABOUT: dict[str, Measure] = {
     ),
     "final_distance_least": Measure("m", "the same, the least"),
     "final_distance_most": Measure("m", "the same, the greatest"),
+    "final_distance_counted": Measure(
+        "m", "the mean final distance by the robots' odometry from where they were put down"
+    ),
+    "unseen_share": Measure(
+        "", "of the updates of robots that see by images, all but the lead's: share without an input"
+    ),
     "closest": Measure("m", "the least distance between two robots' centres in the trial"),
 }
 
@@ -43,7 +50,7 @@ def has_eyes(trial: Trial) -> bool:
 
 def eyes(result: TrialResult) -> dict[str, float]:
     """The measures of `ABOUT`."""
-    found = dict.fromkeys(ABOUT, math.nan) | _estimates(result)
+    found = dict.fromkeys(ABOUT, math.nan) | _estimates(result) | _unseen(result)
     poses = result.poses_w
     if len(poses) == 0 or not np.isfinite(poses).all():
         return found
@@ -53,14 +60,38 @@ def eyes(result: TrialResult) -> dict[str, float]:
     found |= {"flocks": float(flocks[-1]), "one_flock_share": float(np.mean(flocks == 1))}
     if positions.shape[1] > 1:
         of = lead(result)
-        away = np.hypot(*(np.delete(positions[-1], of, axis=0) - positions[-1, of]).T)
+        away = _away(positions[-1], of)
+        counted = result.odometry[-1] if len(result.odometry) else np.full_like(poses[-1], math.nan)
         found |= {
             "final_distance": float(away.mean()),
+            "final_distance_counted": float(_away(_placed(poses[0], counted), of).mean()),
             "final_distance_least": float(away.min()),
             "final_distance_most": float(away.max()),
             "closest": min(_closest(each) for each in positions),
         }
     return found
+
+
+def _away(places: Floats, of: int) -> Floats:
+    """(N − 1,) how far the others are from the robot of that index, m."""
+    return np.asarray(np.hypot(*(np.delete(places, of, axis=0) - places[of]).T))
+
+
+def _placed(starts: Floats, counted: Floats) -> Floats:
+    """(N, 2) where robots are that were put down at `starts` (N, 3), by what their odometry has counted (N, 3)."""
+    c, s = np.cos(starts[:, 2]), np.sin(starts[:, 2])
+    x, y = counted[:, 0], counted[:, 1]
+    return starts[:, :2] + np.stack([c * x - s * y, s * x + c * y], axis=1)
+
+
+def _unseen(result: TrialResult) -> dict[str, float]:
+    """The share of updates without an input."""
+    groups = [group for group in result.trial.groups for _ in range(group.count)]
+    sees = np.array([Resolved(group).reads_images and group.name != LEAD for group in groups])
+    mine = sees[result.updates.robots] if len(result.updates.robots) else np.zeros(0, np.bool_)
+    if not mine.any():
+        return {}
+    return {"unseen_share": float(np.mean(np.diff(result.updates.input_starts)[mine] == 0))}
 
 
 def lead(result: TrialResult) -> int:

@@ -10,6 +10,7 @@ Entities (times on the timeline `time`, s; lengths in metres, world frame):
     world/trails                the path in pieces (the layout shows those of the last seconds)
     world/scans/ROBOT           returns, coloured by intensity (grey where it was not given)
     world/members/ROBOT         the inputs to the law; false positives in a colour of their own
+    world/echoes/ROBOT          arcs on which its sonars' echoes lie; world/obstacles/ROBOT: those taken for obstacles
     world/way_points/ROBOT      from the robot to its way-point, in the colour of the rule that chose it
     world/contacts, events      where a robot began to touch something; the same in words
     rules/ROBOT, bumpers/ROBOT  states, a row for each change
@@ -34,7 +35,7 @@ from flocking.measures import formation
 from flocking.types import Bools, Floats
 from trials.simulations.columns import member_colours, name_tag, packed, series, times_column
 from trials.simulations.recording_file import opened
-from trials.simulations.robots import recorded_cameras, recorded_senses, recorded_tasks, screen
+from trials.simulations.robots import recorded_cameras, recorded_echoes, recorded_senses, recorded_tasks, screen
 from trials.simulations.robots.fields import of_trial
 from trials.simulations.robots.measures import GROUP_CUT_M
 from trials.types import TrialResult
@@ -67,6 +68,7 @@ def write(result: TrialResult, path: Path) -> None:
         _robots(recording, result)
         recorded_senses.send_updates(recording, result)
         recorded_senses.send_scans(recording, result)
+        recorded_echoes.send_echoes(recording, result)
         recorded_cameras.send_pictures(recording, result)
         _contacts(recording, result)
         _plots(recording, result)

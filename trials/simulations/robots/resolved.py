@@ -33,12 +33,16 @@ from trials.types import Group
 
 LASER = frozenset({"scan", "intensity", "owners"})
 """What of a robot's senses comes from a laser."""
+SONAR = "sonar"
+"""Name of a ring of sonars among the mounts of a body."""
 
 
 class Wanted(NamedTuple):
     """What a group's law and its selections need, and what its robots must do to have it."""
 
     needs: frozenset[str]
+    of_each: frozenset[str]
+    """Those without which a member is not handed on to the law."""
     missing: frozenset[str]
     """The needs that the pipeline does not meet."""
     inferable: frozenset[str]
@@ -141,6 +145,16 @@ class Resolved:
         return "images" in self.pipeline_reads
 
     @property
+    def reads_echoes(self) -> bool:
+        """Whether the member detection makes obstacles of what sonars hear, where the body has some."""
+        return "echoes" in self.pipeline_reads
+
+    @property
+    def hears(self) -> bool:
+        """Whether its robots' sonars are read: they have some, and its law or its avoidance asks for obstacles."""
+        return self.reads_echoes and SONAR in self.body.mounts and "obstacles" in self.wanted.needs
+
+    @property
     def reads_laser(self) -> bool:
         """Whether the member detection reads a laser."""
         return bool(self.pipeline_reads & LASER)
@@ -162,9 +176,12 @@ class Resolved:
         if self.avoids:
             needs |= {"obstacles"}
         has = given_by(self.pipeline)
+        if self.reads_echoes and SONAR in self.body.mounts:
+            has |= {"obstacles"}
         missing = needs - has - OF_ITSELF
         inferable = missing & INFERRED if self.associates and "positions" in has else frozenset()
-        return Wanted(needs, missing, inferable, bool(needs & {"compass", "goal"}) or bool(inferable))
+        of_each = needs - lawentry.may_lack_of(self.law)
+        return Wanted(needs, of_each, missing, inferable, bool(needs & {"compass", "goal"}) or bool(inferable))
 
     @property
     def associates(self) -> bool:

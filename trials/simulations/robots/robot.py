@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cache
 from types import ModuleType
@@ -19,7 +20,7 @@ from sensing.camera import imperfections as camera_imperfections
 from sensing.camera.rendering import Cameras
 from sensing.laser.draws import intensity_draws, range_draws
 from sensing.laser.hokuyo import PERIOD_S, Lasers
-from sensing.types import Detection, PipelineState, Scan, ScanTruth, Senses, WorldTruth
+from sensing.types import Detection, Echoes, PipelineState, Scan, ScanTruth, Senses, WorldTruth
 from trials.simulations.robots.knowledge import COMPASS, GOAL, Knowledge
 from trials.simulations.robots.link import Link
 from trials.simulations.robots.obstacle_stage import AVOIDING, ObstacleStage
@@ -66,6 +67,8 @@ class Robot:
     lasers: Lasers | None
     cameras: Cameras | None
     """Where its pipeline reads images."""
+    listen: Callable[[Any], Echoes] | None
+    """What its sonars hear, where its pipeline makes obstacles of that and somebody asks for them."""
     judged: bool
     """Whether what the images show is rendered for the log."""
     imperfections: camera_imperfections.Parameters
@@ -141,7 +144,8 @@ class Robot:
         return Senses(scan, truth, scan_truth.owners if self._reads_owners else None), scan_truth
 
     def _look(self, data: Any, time: float, truth: WorldTruth | None) -> tuple[Senses, ScanTruth | None]:
-        """Stage 1 by cameras; what the images show goes past the robot. A pair that is not due is not rendered."""
+        """Stage 1 by cameras, and by sonar at that moment; what the images show goes past the robot. A pair that is not
+        due is not rendered."""
         assert self.cameras is not None
         given, image = self.imperfections, None
         if self._camera_memory is None:
@@ -154,7 +158,8 @@ class Robot:
             if self.judged and image is not None and images.time == image.time:  # and that pair was not lost
                 self._shown = self.cameras.truth(data, self.index, given.capture_offset_s)
             self._scanned = images.time
-        return Senses(None, truth, images=images), self._shown
+        echoes = None if self.listen is None else self.listen(data)
+        return Senses(None, truth, images=images, echoes=echoes), self._shown
 
     def taken_for(self) -> tuple[Any, Any] | None:
         """The number of the colour that each pixel of its last images was taken for, (H, W) each; None where its

@@ -7,7 +7,7 @@ import rerun.blueprint as rrb
 
 from flocking.types import Floats
 from trials.simulations import views
-from trials.simulations.robots import guided, recorded_cameras, recorded_tasks
+from trials.simulations.robots import guided, recorded_cameras, recorded_echoes, recorded_tasks
 from trials.simulations.robots.fields import of_group, of_trial
 from trials.types import TrialResult
 
@@ -35,7 +35,8 @@ LEGEND = """
 def legend(result: TrialResult) -> str:
     """What is drawn, in Markdown, with what a task brings."""
     cameras = recorded_cameras.LEGEND.lstrip("\n") if result.pictures is not None else ""
-    return LEGEND + cameras + (recorded_tasks.LEGEND.lstrip("\n") if guided.has_task(result.trial) else "")
+    echoes = recorded_echoes.LEGEND.lstrip("\n") if result.heard is not None else ""
+    return LEGEND + echoes + cameras + (recorded_tasks.LEGEND.lstrip("\n") if guided.has_task(result.trial) else "")
 
 
 def rule_names(result: TrialResult) -> list[str]:
@@ -55,7 +56,7 @@ def blueprint(result: TrialResult) -> rrb.Blueprint:
     half_width, half_height = _reach(result)
     low, high = _ground(result)
     everything = ["+ /world/**"]
-    left_out = ["scans/**", "members/**", "way_points/**", "trails"]
+    left_out = ["scans/**", "echoes/**", "obstacles/**", "members/**", "way_points/**", "trails"]
     left_out += [f"robots/{name}/name" for name in result.robot_names]  # names would hide so small a herd
     close = views.plan(
         "Plan, following the herd",

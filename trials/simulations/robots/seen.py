@@ -11,7 +11,7 @@ import numpy as np
 from flocking.types import Floats, Ints
 from robots import body as bodies
 from robots.eyes import CONE_RADIUS
-from sensing.camera.looking import NONE, camera_mounts
+from sensing.camera.looking import CAMERA, MIDDLE, camera_mounts
 from sensing.camera.rendering import CONE
 from trials.simulations.robots.fields import of_group
 from trials.simulations.robots.resolved import Resolved
@@ -63,9 +63,8 @@ def exact_inputs(result: TrialResult, times: Floats, robots: Ints, poses_w: Floa
     """(U, N, 2) what an exact detection would make of each robot at updates of these robots (U,), their body frame, m.
 
     `times` (U,), `poses_w` (U, 3) of who updates. Of images it is the near side of the cone, seen from the nearer lens,
-    whose image shows it wider and so is the one that it is read from: where it is, or, where the pipeline leaves the
-    cameras' places out (`offset` of `none`), as far in that direction from the robot's centre as from that lens. Of
-    other detections it is the robot's centre. nan where a body carries no cone.
+    whose image shows it wider and so is the one that it is read from: told from the robot's centre, or from where the
+    pipeline's `offset` has it told from. Of other detections it is the robot's centre. nan where a body has no cone.
     """
     groups = [Resolved(group) for group in result.trial.groups]
     first = np.cumsum([0, *(each.group.count for each in groups)])
@@ -89,4 +88,7 @@ def _near_sides(cones: Floats, its: Resolved) -> Floats:
     way = np.take_along_axis(away, nearer[..., None, None], axis=-2)[..., 0, :]
     distance = np.hypot(way[..., 0], way[..., 1])[..., None]
     near = way * np.maximum(1.0 - CONE_RADIUS / np.maximum(distance, 1e-9), 1e-9)
-    return near if its.pipeline_parameters.offset == NONE else lenses[nearer] + near
+    offset = its.pipeline_parameters.offset
+    if offset == CAMERA:
+        return lenses[nearer] + near
+    return lenses[nearer] - lenses.mean(axis=0) + near if offset == MIDDLE else near

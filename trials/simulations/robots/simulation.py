@@ -17,16 +17,22 @@ from trials.simulations.robots import (
     keys,
     link,
     measures_eyes,
+    measures_falls,
     measures_guided,
     measures_odometry,
+    measures_splitting,
     worldfile,
 )
 from trials.simulations.robots.measures import ABOUT, HEADINGS, KEY_MEASURES
+from trials.simulations.robots.resolved import Resolved
 from trials.types import Trial, TrialResult, with_setup
 from worlds import formations, known, start_poses
 
 MOMENT_S = 1.0
 """Simulated time in which every robot senses and acts a few times."""
+PAIR_LIMIT_S = 1.0
+"""Processor time for a pair of images and its truth above which a trial counts as hung: some thirty times what it takes
+on a busy machine."""
 CONSTANTS = (
     "robots.physics",
     "sensing.laser.readings",
@@ -68,9 +74,16 @@ def write_images(trial: Trial, folder: Path, every_s: float) -> int:
 
 
 def limit_s(trial: Trial) -> float:
-    """Wall time (s) after which a trial counts as hung."""
+    """Processor time (s) after which a trial counts as hung."""
     robots = sum(group.count for group in trial.groups)
-    return 60.0 + fields.of_trial(trial).duration_s * (1.0 + robots / 10.0)
+    duration_s = fields.of_trial(trial).duration_s
+    return 60.0 + duration_s * (1.0 + robots / 10.0) + PAIR_LIMIT_S * duration_s * _pairs_a_second(trial)
+
+
+def _pairs_a_second(trial: Trial) -> float:
+    """Pairs of images that all robots take in a second."""
+    seeing = [group for group in trial.groups if Resolved(group).reads_images]
+    return sum(group.count * fields.of_group(group).rate_hz for group in seeing)
 
 
 def moment(trial: Trial) -> Trial:
@@ -119,7 +132,9 @@ SIMULATION = Simulation(
         **judged.ABOUT,
         **measures_guided.ABOUT,
         **measures_eyes.ABOUT,
+        **measures_splitting.ABOUT,
         **measures_odometry.ABOUT,
+        **measures_falls.ABOUT,
         **link.ABOUT,
     },
     key_measures=KEY_MEASURES,

@@ -20,29 +20,48 @@ THREE = 3
 
 
 def claims(run: Run) -> list[Entry]:
-    """That three robots are one flock; that all neighbours make fewer flocks than the nearest; and eyes beside perfect
-    sensing."""
+    """That three robots are one flock; that all neighbours make fewer flocks than the nearest, by the same eyes and by
+    the same perfect sensing; and, which nobody says, whether eyes or hiding one another change how many there are."""
     return answers(run, KEYS, _questions)
 
 
 def _questions(cells: Cells) -> list[Question]:
-    found = []
-    planned = cells.planned()
-    for cell in planned:
-        count, body, pipeline = cell[:3]
-        told = f"{count} {'Pioneers' if body else 'Creates'}"
-        if count == THREE and pipeline == ONE:
-            judge = all_must_hold(f"flocks after a minute within {HALF_A_FLOCK:g} of 1", _flocks(cells, cell))
-            found.append(claim_of(__package__, "kirchner2006", SOURCE, 1, f"{told}: flocks after a minute", judge))
-        if pipeline == ONE:
-            for other in planned:
-                if other[:2] != cell[:2]:
-                    continue
-                if other[2] == SEVERAL:
-                    judge = all_must_hold(f"fewer by more than {HALF_A_FLOCK:g} (paired)", _fewer(cells, cell, other))
-                    quantity = f"{told}: flocks by the nearest neighbour less those by all"
-                    found.append(claim_of(__package__, "kirchner2006", SOURCE, 2, quantity, judge))
+    found, planned = [], cells.planned()
+    for herd in dict.fromkeys(cell[:2] for cell in planned):
+        told = f"{herd[0]} {'Pioneers' if herd[1] else 'Creates'}"
+        mine = [cell for cell in planned if cell[:2] == herd]
+        for cell in mine:
+            _, _, pipeline, nearest, hides = cell
+            if herd[0] == THREE and pipeline == ONE:
+                judge = all_must_hold(f"flocks after a minute within {HALF_A_FLOCK:g} of 1", _flocks(cells, cell))
+                found.append(claim_of(__package__, "kirchner2006", SOURCE, 1, f"{told}: flocks after a minute", judge))
+            every = (*cell[:3], False, hides)
+            if nearest and pipeline != ONE and hides is not False and every in mine:
+                judge = all_must_hold(f"fewer by more than {HALF_A_FLOCK:g} (paired)", _fewer(cells, cell, every))
+                quantity = f"{told}, {pipeline}: flocks by the nearest neighbour less those by all"
+                found.append(claim_of(__package__, "kirchner2006", SOURCE, 2, quantity, judge))
+            for other, words in (
+                ((*herd, PERFECT, nearest, True), "flocks by eyes less those by perfect sensing"),
+                ((*herd, PERFECT, nearest, False), "flocks where robots hide one another less those where none does"),
+            ):
+                if other in mine and (pipeline, hides) == ((SEVERAL, None) if other[4] else (PERFECT, True)):
+                    which = "nearest" if nearest else "all"
+                    found.append(_open(f"{told}, {which}: {words}", _same(cells, cell, other)))
     return found
+
+
+def _open(quantity: str, judge: Callable[[], list[Outcome]]) -> Question:
+    return Question(
+        source="kirchner2006 (not asked there)",
+        quantity=quantity,
+        claim="left open",
+        judge=all_must_hold(f"within {HALF_A_FLOCK:g} of none (paired)", judge),
+        published=None,
+    )
+
+
+def _same(cells: Cells, one: tuple[object, ...], other: tuple[object, ...]) -> Callable[[], list[Outcome]]:
+    return lambda: [near("difference", cells.difference("flocks", one, other), 0.0, HALF_A_FLOCK)]
 
 
 def _flocks(cells: Cells, cell: tuple[object, ...]) -> Callable[[], list[Outcome]]:

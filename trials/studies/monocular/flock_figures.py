@@ -13,7 +13,7 @@ from trials.reports.figures import Figure, Place
 from trials.studies.monocular.design import BODY
 from trials.studies.monocular.flock_claims import COUNT, KEYS, NEAREST, OCCLUSION, PIPELINE
 
-WAYS = 6
+WAYS = 8
 
 
 def figures(run: Run, folder: Path) -> list[Figure]:

@@ -2,8 +2,9 @@
 
 Kirchner 2006 has three Pioneers and the nearest neighbour alone; its first extension is all neighbours (section 5.1).
 Robots start scattered, each in sight of some other; a flock is what no gap of more than four feet divides (section
-3.3). Perfect sensing has the cameras' view, 220 degrees and eight feet, with robots hiding one another and without, and
-measures from centre to centre where images give the way from the lens to the cone's near side.
+3.3), and nobody heeds who is more than eight feet away, as in its simulation. Perfect sensing has the cameras' view,
+220 degrees and eight feet, with robots hiding one another and without, and measures from centre to centre where images
+give the way from the lens to the cone's near side.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from trials.studies.monocular.flock_claims import COUNT, NEAREST, OCCLUSION, ONE
 from trials.studies.monocular.flock_figures import figures
 from trials.types import Trial, Value, with_setup
 
-REPEATS = 5
+REPEATS = 4
 RECORD = "first"
 CONDITIONS = {COUNT: (3, 6, 12), PIPELINE: (ONE, SEVERAL, PERFECT)}
 PIONEERS = 3
@@ -42,7 +43,7 @@ VIEW: dict[str, Value] = {"field_of_view_rad": math.radians(220.0), "range_m": 8
 def cells(conditions: Mapping[str, Sequence[Any]]) -> list[dict[str, Value]]:
     """Creates of all counts and three Pioneers, by each way of seeing.
 
-    One run of pixels is one neighbour, the nearest; all neighbours take a detection of several.
+    One run of pixels is one neighbour, the nearest; a detection of several has the nearest of them, or all.
     """
     herds: list[dict[str, Value]] = [{COUNT: count} for count in conditions[COUNT]]
     herds.append({COUNT: PIONEERS, BODY: BODIES[0]})
@@ -51,9 +52,11 @@ def cells(conditions: Mapping[str, Sequence[Any]]) -> list[dict[str, Value]]:
 
 
 def _ways(pipeline: str) -> list[dict[str, Value]]:
-    """One run of pixels is one neighbour; perfect sensing has one or all, hidden by others or not."""
+    """One run of pixels is one neighbour; others have one or all, by perfect sensing hidden by others or not."""
+    if pipeline == ONE:
+        return [{PIPELINE: pipeline, NEAREST: True}]
     if pipeline != PERFECT:
-        return [{PIPELINE: pipeline, NEAREST: pipeline != SEVERAL}]
+        return [{PIPELINE: pipeline, NEAREST: near} for near in (True, False)]
     return [{PIPELINE: pipeline, NEAREST: near, OCCLUSION: hides} for near in (True, False) for hides in (True, False)]
 
 
@@ -62,7 +65,7 @@ def base(repeat: int) -> Trial:
     herd = with_setup(seeing(3), {"body": BODIES[1], "formation": "together", "rate_hz": RATE_HZ})
     kept = {key: value for key, value in herd.setup.items() if not key.startswith("formation.")}
     herd = dataclasses.replace(
-        herd, setup={**kept, "cameras.judged": False}, law_parameters={**LAW, "nearest_only": True}
+        herd, setup={**kept, "cameras.judged": False}, law_parameters={**LAW, "range_m": 8 * FOOT, "nearest_only": True}
     )
     return trial(
         "monocular-flock", repeat, [herd], world="open-floor", formation="scattered",

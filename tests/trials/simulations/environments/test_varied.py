@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from pathlib import Path
 
 import numpy as np
@@ -46,10 +47,23 @@ def test_what_is_not_varied_stays_and_a_range_is_kept_to() -> None:
 
 def test_without_varied_parameters_environments_are_what_they_were() -> None:
     chosen = fields.chosen_by(trial("splitting"))
-    assert herds.environment(trial("splitting"), 3, chosen).construct
-    assert herds.environment(trial("splitting"), 3, chosen) == herds.environment(
-        trial("splitting", varied=""), 3, chosen
-    )
+    first = herds.environment(trial("splitting"), 3, chosen)
+    assert first.construct
+    assert herds.environment(trial("splitting"), 3, chosen) is first  # made once
+    herds.forget()
+    again = herds.environment(trial("splitting", varied=""), 3, chosen)
+    assert again is not first
+    assert again == first
+
+
+def test_what_is_remembered_of_one_trial_is_not_given_to_another_one() -> None:
+    chosen = fields.chosen_by(trial("splitting"))
+    first = herds.environment(trial("splitting"), 3, chosen)
+    other = dataclasses.replace(trial("splitting"), repeat=2)
+    assert herds.environment(other, 3, chosen) != first
+    assert herds.environment(trial("splitting"), 4, chosen) != first
+    varied = trial("splitting", varied="all")
+    assert herds.environment(varied, 3, fields.chosen_by(varied)) != first
 
 
 @pytest.mark.parametrize(

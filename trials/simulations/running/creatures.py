@@ -1,0 +1,142 @@
+"""The creatures of a running herd, point masses and bodies with legs, each driven step by step by the same law.
+
+Metres, seconds; world frame.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import Any, Protocol
+
+import mujoco
+import numpy as np
+
+from flocking.herding import HerdMind, MovingHerd
+from flocking.herding.loop import Touching
+from flocking.types import Bools, Floats
+
+NOTED_EVERY_S = 0.02
+"""From one look at who touches whom to the next, of bodies with legs: two that pass at 2 m/s come 4 cm nearer. Point
+masses are looked at in every step. A choice."""
+HIGHEST_DROP_M = 0.3
+"""Bodies with legs start so high above the ground at the most, so that they do not hop in step. A choice."""
+
+
+BAD = (mujoco.mjtWarning.mjWARN_BADQPOS, mujoco.mjtWarning.mjWARN_BADQVEL, mujoco.mjtWarning.mjWARN_BADQACC)
+"""MuJoCo's warnings of a state that is no longer finite."""
+
+
+class DivergedError(ValueError):
+    """MuJoCo found a state that is no longer finite, and began anew: what follows is worth nothing."""
+
+
+class Creatures(Protocol):
+    """N of them, at work."""
+
+    @property
+    def mind(self) -> HerdMind:
+        """Theirs."""
+
+    def advance(self, first: int, draws: Floats, touching: Touching) -> None:
+        """Steps from the one of that number on, from 0; `draws` (steps, N, DRAWS).
+
+        Raises `LawFailedError` and `DivergedError`.
+        """
+
+    def poses(self) -> Floats:
+        """(N, 3) x, y and heading now."""
+
+    @property
+    def fallen_at(self) -> Floats:
+        """(N,) s when each fell; nan = it did not."""
+
+    @property
+    def causes(self) -> tuple[str, ...]:
+        """(N,) why it did; empty = it did not."""
+
+
+class Particles:
+    """Point masses: the desired velocity is theirs from the next step on, and nothing makes them fall."""
+
+    def __init__(self, mind: MovingHerd, dt: float) -> None:
+        self.mind, self._moving, self.dt = mind, mind, dt
+
+    def advance(self, first: int, draws: Floats, touching: Touching) -> None:
+        """See `Creatures`."""
+        self._moving.advance(draws, first, self.dt, touching)
+
+    def poses(self) -> Floats:
+        """See `Creatures`."""
+        return np.column_stack([self.mind.herd.positions, self.mind.herd.headings])
+
+    @property
+    def fallen_at(self) -> Floats:
+        """See `Creatures`."""
+        return np.full(len(self.mind.there), np.nan)
+
+    @property
+    def causes(self) -> tuple[str, ...]:
+        """See `Creatures`."""
+        return ("",) * len(self.mind.there)
+
+
+class Legged:
+    """Bodies with legs in one MuJoCo world: the law runs for each in flight, and its desired velocity is its command.
+
+    Who has fallen lies where it fell, decides nothing and is not seen.
+    """
+
+    def __init__(self, mind: HerdMind, ground: str, dt: float, rng: np.random.Generator) -> None:
+        """`ground`: the module of the body's ground. Actual velocities are those last seen in flight."""
+        count = len(mind.there)
+        poses = np.column_stack([mind.herd.positions, mind.herd.headings])
+        built: Any = importlib.import_module(ground).build(
+            poses, rng.uniform(0.0, HIGHEST_DROP_M, count), timestep_s=dt
+        )
+        self.mind, self.dt = mind, dt
+        self.model, self.data, self.fleet = built.model, built.data, built.fleet
+        roots = self.fleet.root_bodies
+        joints = self.model.body_jntadr[roots]
+        self._places = self.model.jnt_qposadr[joints][:, None] + np.arange(2)
+        self.data.qvel[self.model.jnt_dofadr[joints][:, None] + np.arange(2)] = mind.herd.desired
+        mujoco.mj_forward(self.model, self.data)
+        self._noted_every = max(1, round(NOTED_EVERY_S / dt))
+        self.fleet.desire_all(mind.herd.desired)
+
+    def advance(self, first: int, draws: Floats, touching: Touching) -> None:
+        """See `Creatures`."""
+        mind, fleet, data, model = self.mind, self.fleet, self.data, self.model
+        herd = mind.herd
+        for step in range(first, first + len(draws)):
+            herd.positions[:] = data.qpos[self._places]
+            herd.actual[:] = fleet.velocities(data)
+            flying: Bools = fleet.flying
+            mind.decide(flying, draws[step - first], self.dt, step)
+            fleet.desire_all(herd.desired)
+            herd.desired[:] = fleet.desired
+            fleet.before_step(data)
+            mujoco.mj_step(model, data)
+            fleet.after_step(data)
+            if step % self._noted_every == 0:
+                mind.there[:] = fleet.upright
+                mind.touches(touching, step * self.dt)
+        herd.positions[:] = data.qpos[self._places]
+        if sum(data.warning[int(kind)].number for kind in BAD):
+            raise DivergedError(f"the physics of the creatures diverged before {(first + len(draws)) * self.dt:g} s")
+
+    def poses(self) -> Floats:
+        """See `Creatures`."""
+        found: Floats = self.fleet.poses(self.data)
+        return found
+
+    @property
+    def fallen_at(self) -> Floats:
+        """See `Creatures`."""
+        found: Floats = self.fleet.fallen_at
+        return found
+
+    @property
+    def causes(self) -> tuple[str, ...]:
+        """See `Creatures`."""
+        found: tuple[str, ...] = self.fleet.causes
+        return found
