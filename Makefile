@@ -31,3 +31,4 @@ pictures: setup
 	@$(BIN)/python -m scripts.picture
 	@$(BIN)/python -m scripts.formations
 	@$(BIN)/python -m scripts.tasks
+	@$(BIN)/python -m scripts.robot_herd
