@@ -18,8 +18,8 @@ the law is given, its own likewise, is the simulation's, and so is how often a m
 masses of the publication at every tenth step): `trials.simulations.running` has both as keys. Sight that others block,
 or that is less to the rear, are selections: `unoccluded(0.25)`, `angle(120)`.
 
-An obstacle is a disc whose radius is told in advance; with a radius of 0, the default, nothing is done about obstacles,
-and the shared avoidance can be added. A member whose course runs into a disc that is nearer than the look-ahead would
+An obstacle is a disc whose radius is told in advance; with a radius of 0 nothing is done about obstacles, and the shared
+avoidance can be added. A member whose course runs into a disc that is nearer than the look-ahead would
 like to pass its centre at 1.5 radii, on the side that is nearer: this sideways way is averaged with the herd's desired
 position. One whose course leads through the very centre, as though there were none, keeps on.
 """
@@ -98,7 +98,7 @@ class Parameters(NamedTuple):
     limit_m_s: Annotated[float, Parameter("m/s", "our choice: five times the nominal speed", low=0.0)] = 10.0
     obstacle_radius_m: Annotated[
         float, Parameter("m", "a choice: of the discs that are obstacles; 0 = none is avoided", low=0.0, plausible=())
-    ] = 0.0
+    ] = 1.0
     aim_radii: Annotated[
         float, Parameter("", f"{SOURCE}, section 5: 1.5 times the radius of the obstacle", published=True, low=1.0)
     ] = 1.5
