@@ -172,7 +172,7 @@ def test_a_law_of_the_project_after_an_edit_of_its_helper(tmp_path: Path) -> Non
     cache = tmp_path / "cache"
     before = decided(tmp_path, cache)
     assert before != 0.0
-    terms.write_text(plain.replace("return x / length, y / length", "return 2.0 * x / length, 2.0 * y / length"))
+    terms.write_text(plain.replace("return over(x, y, length)", "return over(2.0 * x, 2.0 * y, length)"))
     assert terms.read_text() != plain
     assert decided(tmp_path, cache) == pytest.approx(2.0 * before, rel=1e-12)  # rounding
     assert len([folder for folder in cache.iterdir() if folder.is_dir()]) == 2
