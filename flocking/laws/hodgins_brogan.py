@@ -18,10 +18,10 @@ the law is given, its own likewise, is the simulation's, and so is how often a m
 masses of the publication at every tenth step): `trials.simulations.running` has both as keys. Sight that others block,
 or that is less to the rear, are selections: `unoccluded(0.25)`, `angle(120)`.
 
-An obstacle is a disc whose radius is told in advance; with a radius of 0 nothing is done about obstacles, and the shared
-avoidance can be added. A member whose course runs into a disc that is nearer than the look-ahead would
-like to pass its centre at 1.5 radii, on the side that is nearer: this sideways way is averaged with the herd's desired
-position. One whose course leads through the very centre, as though there were none, keeps on.
+An obstacle is a disc whose radius is told in advance; with a radius of 0 nothing is done about obstacles. A member
+whose course runs into a disc that is nearer than the look-ahead would like to pass its centre at 1.5 radii, on the side
+that is nearer: this sideways way is averaged with the herd's desired position. One whose course leads through the very
+centre, as though there were none, keeps on.
 """
 
 from __future__ import annotations

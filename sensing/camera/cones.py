@@ -20,8 +20,6 @@ from sensing.camera.lens import PIXELS_PER_DEGREE, Lens, pixels_per_degree, plac
 
 RADIUS_M = 2 * 0.0254
 """Of the cone's base. Published: section 3.6.6."""
-NO_CONE_IN = 111.1
-"""On the wire alone: the distance (inches) that says "no cone". Published: section 3.6.7."""
 NEAREST_M = 1e-3
 """A cone that seems nearer than this (3.5 is negative beyond 90 degrees) is this far away."""
 

@@ -164,7 +164,6 @@ def gaze(
     if offset != CAMERA:
         origin = mounts[:, :2].mean(axis=0)
         mounts[:, :2] = mounts[:, :2] - origin if offset == MIDDLE else 0.0
-        mounts[:, :2] = 0.0
     none = np.empty((0, 0), np.uint8)
     eyes, radius_m = Eyes(edges, mounts), float(cone_radius_m)
     return Gaze(looked_for, eyes, int(largest_hole_px), int(minimum_run_px), radius_m, origin, (none, none))

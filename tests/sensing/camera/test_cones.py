@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from sensing.camera.cones import (
-    NO_CONE_IN,
     RADIUS_M,
     Run,
     angle_of,
@@ -45,7 +44,6 @@ def test_3_5_is_the_inverse_of_3_3_and_never_below_nothing():
         assert distance_m(angle_of(distance)) == pytest.approx(distance)
     assert 0.0 < distance_m(math.radians(90.0)) == distance_m(math.radians(120.0)) < 0.01
     assert distance_m(subtended_rad(1)) / FOOT == pytest.approx(97.6, abs=0.1)
-    assert NO_CONE_IN == 111.1
 
 
 def test_bearings_are_left_positive_and_zero_in_the_middle():

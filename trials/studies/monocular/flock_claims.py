@@ -40,24 +40,22 @@ def _questions(cells: Cells) -> list[Question]:
                 judge = all_must_hold(f"fewer by more than {HALF_A_FLOCK:g} (paired)", _fewer(cells, cell, every))
                 quantity = f"{told}, {pipeline}: flocks by the nearest neighbour less those by all"
                 found.append(claim_of(__package__, "kirchner2006", SOURCE, 2, quantity, judge))
-            for other, words in (
-                ((*herd, PERFECT, nearest, True), "flocks by eyes less those by perfect sensing"),
-                ((*herd, PERFECT, nearest, False), "flocks where robots hide one another less those where none does"),
+            for number, (other, words) in enumerate(
+                (
+                    ((*herd, PERFECT, nearest, True), "flocks by eyes less those by perfect sensing"),
+                    (
+                        (*herd, PERFECT, nearest, False),
+                        "flocks where robots hide one another less those where none does",
+                    ),
+                ),
+                1,
             ):
                 if other in mine and (pipeline, hides) == ((SEVERAL, None) if other[4] else (PERFECT, True)):
                     which = "nearest" if nearest else "all"
-                    found.append(_open(f"{told}, {which}: {words}", _same(cells, cell, other)))
+                    judge = all_must_hold(f"within {HALF_A_FLOCK:g} of none (paired)", _same(cells, cell, other))
+                    quantity = f"{told}, {which}: {words}"
+                    found.append(claim_of(__package__, "kirchner2006", "flock_open", number, quantity, judge))
     return found
-
-
-def _open(quantity: str, judge: Callable[[], list[Outcome]]) -> Question:
-    return Question(
-        source="kirchner2006 (not asked there)",
-        quantity=quantity,
-        claim="left open",
-        judge=all_must_hold(f"within {HALF_A_FLOCK:g} of none (paired)", judge),
-        published=None,
-    )
 
 
 def _same(cells: Cells, one: tuple[object, ...], other: tuple[object, ...]) -> Callable[[], list[Outcome]]:

@@ -23,7 +23,11 @@ MOVEMENT, TURNING = (published(STUDY, "kirchner2006", table) for table in ("move
 KINDS = list(zip(MOVEMENT["distances_m"], MOVEMENT["speeds_m_s"], MOVEMENT["over_read_m"], strict=True))
 
 
-def as_published(conditions: Mapping[str, Any], factor: float = 1.0, aside: float = 0.03) -> Mapping[str, float]:
+ASIDE = np.array(published(STUDY, "kirchner2006", "appendix_b")["rows"])[:, 5].reshape(-1, 2).mean(axis=1)
+"""m, mean of the two tests of each of `KINDS`: the table's actual y."""
+
+
+def as_published(conditions: Mapping[str, Any], factor: float = 1.0, aside: float = 1.0) -> Mapping[str, float]:
     """What a robot measures whose odometry errs as in the tables, times `factor`."""
     distance, angle = conditions[STOP_M], conditions[STOP_RAD]
     told = [over for far, speed, over in KINDS if (far, speed) == (distance, conditions[SPEED])]
@@ -37,7 +41,12 @@ def as_published(conditions: Mapping[str, Any], factor: float = 1.0, aside: floa
         "true_way": distance - way_over if distance else displaced,
         "counted_turn": angle,
         "true_turn": angle - turn_over,
-        "moved_aside": aside * distance,
+        "moved_aside": aside
+        * sum(
+            away
+            for away, (far, speed, _) in zip(ASIDE, KINDS, strict=True)
+            if (far, speed) == (distance, conditions[SPEED])
+        ),
     }
 
 
