@@ -4,6 +4,9 @@ A process can use one library alone, and one that is broken may end the process 
 process of its own. `MUJOCO_GL` says which to use; where it says nothing, OSMesa is tried first (without a graphics card
 it renders as fast as EGL or faster), then EGL. What was found is kept in `MUJOCO_GL`, so that worker processes use the
 same.
+
+MuJoCo itself reads `MUJOCO_GL` when it is imported, and fails for a wrong name or a library that is missing, whether or
+not anything is rendered. So a command sets it aside first (`set_aside`), and only what renders fails.
 """
 
 from __future__ import annotations
@@ -23,15 +26,29 @@ LIBRARIES = ("osmesa", "egl")
 NEEDED = {"osmesa": "libosmesa6", "egl": "libegl1 libgl1-mesa-dri"}
 """Debian's packages."""
 VARIABLE = "MUJOCO_GL"
+ASIDE = "CREATE_HERD_MUJOCO_GL"
+"""Where what the user's `MUJOCO_GL` says is kept, for this process and those that it starts."""
 LIMIT_S = 120.0
 """Wall time for one trial of a library: it takes a second."""
 LONGEST = 200
 """Letters of what a library says against it that are told."""
 
 
+def set_aside() -> None:
+    """Takes `MUJOCO_GL` out of the environment, before MuJoCo is imported, and keeps what it says."""
+    given = os.environ.pop(VARIABLE, None)
+    if given is not None:
+        os.environ[ASIDE] = given
+
+
+def asked_for() -> str:
+    """What `MUJOCO_GL` says, set aside or not; empty where it says nothing."""
+    return (os.environ.get(VARIABLE) or os.environ.get(ASIDE, "")).lower().strip()
+
+
 def library() -> str:
     """The library that renders: `osmesa` or `egl`. Raises `InputError` with the packages that are missing."""
-    named = os.environ.get(VARIABLE, "").lower().strip()
+    named = asked_for()
     if named and named not in LIBRARIES:
         raise InputError(f"{VARIABLE} = {named!r} renders nothing off-screen; expected {' or '.join(LIBRARIES)}")
     if (named, os.getpid()) == _tried:

@@ -14,6 +14,7 @@ from typer import Argument, Option
 
 from flocking import users_files
 from flocking.errors import InputError, printable
+from sensing.camera import opengl
 from trials.commands import environments, images, plans
 from trials.commands.arguments import (
     Body,
@@ -306,6 +307,7 @@ def bench(
 def main() -> int:
     """The command: 0 done, 1 a trial failed, 2 bad input (one line on stderr), 130 stopped by Ctrl-C."""
     _find_ours_alone()
+    opengl.set_aside()
     try:
         for stream in (sys.stdout, sys.stderr):  # what its encoding cannot show is replaced, and nothing fails
             if isinstance(stream, io.TextIOWrapper):

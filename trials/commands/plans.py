@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 from typer import Argument, Option
 
 from flocking.errors import InputError
+from sensing.camera import opengl
 
 if TYPE_CHECKING:
     from generation.environment import Environment
@@ -100,16 +101,10 @@ def _built(environment: Environment, options: dict[str, float], out: Path) -> st
 
 def _pictured(environment: Environment, out: Path) -> str:
     """Writes a picture in three dimensions, and tells of its scale."""
-    given = os.environ.get("MUJOCO_GL")
-    os.environ["MUJOCO_GL"] = "off"  # while MuJoCo is imported: this process itself renders nothing
-    try:
-        from worlds.picture import picture, scale_of
-        from worlds.walls import HEIGHT
-    finally:
-        os.environ.pop("MUJOCO_GL")
-        os.environ |= {} if given is None else {"MUJOCO_GL": given}
-    library = (given or "").strip().lower()
-    _write(out, picture(environment, library))
+    from worlds.picture import picture, scale_of
+    from worlds.walls import HEIGHT
+
+    _write(out, picture(environment, opengl.asked_for()))
     scale = scale_of(environment)
     return f"drawn {'as large as it is' if scale == 1.0 else f'at {scale:.3g} of its size'}, fences {HEIGHT:g} m high"
 

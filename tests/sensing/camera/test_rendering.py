@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 
 import cv2
 import numpy as np
@@ -167,9 +168,24 @@ def test_a_library_that_renders_nothing_is_refused_in_one_line(monkeypatch: pyte
     assert "\n" not in str(refused.value)
 
 
+def test_what_is_set_aside_is_still_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv(opengl.ASIDE, raising=False)
+    monkeypatch.setenv("MUJOCO_GL", "Nonsense ")
+    opengl.set_aside()
+    assert "MUJOCO_GL" not in os.environ
+    assert opengl.asked_for() == "nonsense"
+    opengl.set_aside()  # as a command that a command starts
+    with pytest.raises(InputError, match="MUJOCO_GL = 'nonsense' renders nothing"):
+        opengl.library()
+    monkeypatch.setenv("MUJOCO_GL", "egl")
+    assert opengl.asked_for() == "egl"
+    monkeypatch.delenv(opengl.ASIDE)
+
+
 def test_without_any_library_the_missing_packages_are_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("MUJOCO_GL", raising=False)
     monkeypatch.delenv("CREATE_HERD_GL", raising=False)
+    monkeypatch.delenv(opengl.ASIDE, raising=False)
     monkeypatch.setattr(opengl, "_fault", lambda each: f"no {each} here")
     with pytest.raises(InputError, match="libosmesa6") as refused:
         opengl.library()

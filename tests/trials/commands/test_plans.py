@@ -123,6 +123,22 @@ def test_an_environment_is_rendered_in_three_dimensions_where_opengl_is(tmp_path
     assert 640 < rows.max() < 959
 
 
+def test_a_library_that_is_none_stops_nothing_but_rendering(tmp_path: Path) -> None:
+    """MuJoCo cannot even be imported with it; an experiment's own file imports MuJoCo too."""
+    mine = '"""Mine."""\nimport mujoco\nfrom trials.studies.monocular.follow_1 import *  # noqa: F403\n'
+    (tmp_path / "mine.py").write_text(mine)
+    told = {}
+    for words in (("show", "mine.py", "--repeats", "1"), ("images", "mine.py", "--out", "images")):
+        told[words[0]] = subprocess.run(
+            [sys.executable, "-m", "trials.commands.cli", *words],
+            cwd=tmp_path, capture_output=True, text=True, timeout=300, env={**os.environ, "MUJOCO_GL": "nonsense"},
+        )  # fmt: skip
+    assert told["show"].returncode == 0, told["show"].stderr
+    assert told["images"].returncode == 2
+    assert told["images"].stderr.count("\n") == 1
+    assert "MUJOCO_GL = 'nonsense' renders nothing off-screen; expected osmesa or egl" in told["images"].stderr
+
+
 def test_without_opengl_a_picture_is_refused_in_one_line(tmp_path: Path) -> None:
     files.write(Environment((Segment(0.0, 0.0, 1.0, 0.0),)), tmp_path / "wall.json")
     done = subprocess.run(
