@@ -147,7 +147,14 @@ def way_point_angles(updates: Updates) -> Floats:
 
 def nearest_inputs(updates: Updates) -> Floats:
     """(U, 2) the input nearest to the focal member at each update, m, body frame; nan where there is none."""
-    nearest = np.full((len(updates.times), 2), np.nan)
+    nearest, rows = np.full((len(updates.times), 2), np.nan), nearest_rows(updates)
+    nearest[rows >= 0] = updates.input_positions[rows[rows >= 0]]
+    return nearest
+
+
+def nearest_rows(updates: Updates) -> Ints:
+    """(U,) which row of the inputs that is; −1 where there is none."""
+    nearest = np.full(len(updates.times), -1, np.int64)
     for updates_now, inputs_now in _pieces(updates):
         counts = np.diff(updates.input_starts[updates_now.start : updates_now.stop + 1])
         some = np.flatnonzero(counts)
@@ -158,7 +165,7 @@ def nearest_inputs(updates: Updates) -> Floats:
         starts = updates.input_starts[updates_now][some] - inputs_now.start
         least = np.minimum.reduceat(squared, starts)
         candidates = np.flatnonzero(squared == np.repeat(least, counts[some]))
-        nearest[updates_now][some] = positions[candidates[np.searchsorted(candidates, starts)]]
+        nearest[updates_now][some] = inputs_now.start + candidates[np.searchsorted(candidates, starts)]
     return nearest
 
 

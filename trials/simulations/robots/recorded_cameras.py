@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from flocking.types import Floats, Ints
 from trials.simulations import views
 from trials.simulations.columns import packed, series, times_column
-from trials.simulations.robots.measures import nearest_inputs
+from trials.simulations.robots.measures import nearest_rows
 from trials.simulations.robots.seen import exact_inputs
 from trials.types import Pictures, TrialResult
 
@@ -24,7 +24,9 @@ LONGEST_S = 60.0
 LEGEND = """
 - **images**: what the robot's cameras saw; **green**: the columns that made an input; *taken for*: the pixels that were
   taken for a cone's colour
-- **estimates**: of the nearest input, beside the near side of the cone of the robot that it belongs to
+- **estimates**: of the nearest input, beside the near side of the cone of the robot that it belongs to; a gap in the
+  truth where it is a false one
+- **time to impact**: at the rate of the last two estimates, and of the truth of the same robot
 """
 
 
@@ -85,33 +87,34 @@ def _runs(found: Ints) -> list[tuple[int, int]]:
 def _estimates(recording: rr.RecordingStream, result: TrialResult, k: int, name: str) -> None:
     updates = result.updates
     mine = np.flatnonzero(updates.robots == k)
-    nearest = nearest_inputs(updates)[mine]
-    times, found = updates.times[mine], np.hypot(nearest[:, 0], nearest[:, 1])
-    bearings = np.degrees(np.arctan2(nearest[:, 1], nearest[:, 0]))
+    rows = nearest_rows(updates)[mine]
+    seen = rows >= 0
+    mine, rows = mine[seen], rows[seen]
+    times, inputs = updates.times[mine], updates.input_positions[rows].astype(np.float64)
+    owners = updates.input_owners[rows].astype(np.int64)
     exact = exact_inputs(result, times, updates.robots[mine], updates.poses_w[mine])
-    x, y = exact[..., 0], exact[..., 1]
-    aside, away = np.arctan2(y, x), np.hypot(x, y)
-    to = np.hypot(x - nearest[:, :1], y - nearest[:, 1:])
-    to[:, k] = np.inf
-    which, row = np.where(np.isfinite(to), to, np.inf).argmin(axis=1), np.arange(len(mine))
-    seen = np.isfinite(found)
-    for what, estimate, truth in (
-        ("bearing_deg", bearings, np.degrees(aside[row, which])),
-        ("distance_m", found, away[row, which]),
+    true = np.where(owners[:, None] >= 0, exact[np.arange(len(mine)), owners], np.nan)
+    for told, at, colour, whose in (
+        ("estimate", inputs, ESTIMATE_COLOUR, np.zeros(len(mine), np.int64)),
+        ("truth", true, TRUTH_COLOUR, owners),
     ):
-        for told, values, colour in (("estimate", estimate, ESTIMATE_COLOUR), ("truth", truth, TRUTH_COLOUR)):
-            series(recording, f"eyes/{name}/{what}/{told}", told, colour, times[seen], values[seen])
-    some, impact = _impact(times, found)
-    series(recording, f"eyes/{name}/impact_s", "time to impact (s)", ESTIMATE_COLOUR, some, impact)
+        away = np.hypot(at[:, 0], at[:, 1])
+        for what, values in (("bearing_deg", np.degrees(np.arctan2(at[:, 1], at[:, 0]))), ("distance_m", away)):
+            series(recording, f"eyes/{name}/{what}/{told}", told, colour, times, values)
+        some, impact = _impact(times, away, whose)
+        series(recording, f"eyes/{name}/impact_s/{told}", told, colour, some, impact)
 
 
-def _impact(times: Floats, found: Floats) -> tuple[Floats, Floats]:
-    """When, and in how long at the rate of the last two estimates the nearest cone would be reached: equation 3.7."""
+def _impact(times: Floats, away: Floats, whose: Ints) -> tuple[Floats, Floats]:
+    """When, and in how long at the rate of the last two of these distances the cone would be reached: equation 3.7.
+
+    Of two that are not of the same robot (`whose`) there is none.
+    """
     if len(times) < 2:
         return np.empty(0), np.empty(0)
     with np.errstate(divide="ignore", invalid="ignore"):
-        impact = -found[1:] * np.diff(times) / np.diff(found)
-    some = (impact > 0.0) & (impact < LONGEST_S)
+        impact = -away[1:] * np.diff(times) / np.diff(away)
+        some = (impact > 0.0) & (impact < LONGEST_S) & (whose[1:] == whose[:-1])
     return times[1:][some], impact[some]
 
 
@@ -131,7 +134,7 @@ def views_of(result: TrialResult) -> list[rrb.Tabs]:
         estimates = [
             views.plot("Bearing (degrees)", [f"/eyes/{name}/bearing_deg/**"]),
             views.plot("Distance (m)", [f"/eyes/{name}/distance_m/**"]),
-            views.plot("Time to impact (s)", [f"/eyes/{name}/impact_s"]),
+            views.plot("Time to impact (s)", [f"/eyes/{name}/impact_s/**"]),
         ]
         tabs.append(
             rrb.Vertical(

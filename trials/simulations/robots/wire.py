@@ -28,7 +28,7 @@ from flocking.types import Floats
 
 IN_PROCESS, UDP, TCP = LINKS = ("in-process", "udp", "tcp")
 NO_CONE = 111.1
-"""The distance that says that nobody is in view; in process it is nan."""
+"""Says in a distance's place that nobody is in view: a mere code, and no length. In process it is nan."""
 MESSAGE, MOTION = struct.Struct("!4sIQ5d"), struct.Struct("!4sIQdHHdd")
 OF_MESSAGE, OF_MOTION = b"HRDm", b"HRDc"
 

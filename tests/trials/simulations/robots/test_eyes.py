@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
-import json
 from pathlib import Path
 from typing import Any
 
-import cv2
 import numpy as np
 import pytest
 import rerun as rr
@@ -15,15 +13,13 @@ import rerun as rr
 from flocking.errors import InputError
 from robots.eyes import CONE_RADIUS
 from sensing.camera import opengl
-from sensing.camera.labels import decoded
-from sensing.camera.lens import Lens, places
 from sensing.camera.rendering import Cameras
 from sensing.types import ScanTruth
 from trials import simulations
-from trials.commands import cli
+from trials.simulations.robots import recorded_cameras
 from trials.simulations.robots.fields import group, trial
 from trials.simulations.robots.robot import Robot
-from trials.simulations.robots.seen import cone_of, lenses_of
+from trials.simulations.robots.seen import exact_inputs, lenses_of
 from trials.studies.monocular import follow_1, monocular_flock
 from trials.studies.monocular.design import LAW, Leg, arc_to, driven, from_the_lens, seconds
 from trials.types import Trial, Value, with_setup
@@ -228,7 +224,56 @@ def test_a_recording_has_the_images_and_the_estimates(tmp_path: Path) -> None:
     for name in result.robot_names:
         assert {f"/cameras/{name}/{side}/image" for side in ("left", "right")} <= found
         assert f"/cameras/{name}/left_taken_for" in found
-    assert any(entity.startswith("/eyes/") and entity.endswith("distance_m/truth") for entity in found)
+    for line in ("distance_m/truth", "impact_s/estimate", "impact_s/truth"):
+        assert any(entity.startswith("/eyes/") and entity.endswith(line) for entity in found)
+
+
+def series_of(path: Path) -> dict[str, list[float]]:
+    """The numbers of each line in a recording, by its entity; nan where it has a gap."""
+    found: dict[str, list[float]] = {}
+    for chunk in rr.chunk.RrdReader(str(path)).stream():
+        batch, entity = chunk.to_record_batch(), str(chunk.entity_path)
+        for name in batch.schema.names:
+            if name.endswith("scalars") and entity.startswith("/eyes/"):
+                found.setdefault(entity, []).extend(each[0] for each in batch.column(name).to_pylist())
+    return found
+
+
+def test_the_truth_in_a_recording_is_of_the_robot_that_the_input_belongs_to(tmp_path: Path) -> None:
+    """A line of three: the first input of the last robot is told to be of each other one, and of nobody."""
+    made = pair(seconds_=0.5, **{"cameras.width_px": 640, "cameras.height_px": 120})
+    made = dataclasses.replace(made, groups=(dataclasses.replace(made.groups[0], count=3),))
+    result = simulations.run_trial(made, scans="some", reraise=True)
+    rear = int(result.poses_w[0, :, 0].argmin())
+    updates = result.updates
+    mine = np.flatnonzero(updates.robots == rear)
+    assert (np.diff(updates.input_starts)[mine] == 1).all()
+    inputs, owners = updates.input_starts[mine], updates.input_owners.copy()
+    others = [k for k in range(3) if k != rear]
+    owners[inputs] = np.resize([others[0], others[0], others[1], -1], len(mine))
+    result = dataclasses.replace(result, updates=dataclasses.replace(updates, input_owners=owners))
+    simulations.record(result, tmp_path / "eyes.rrd")
+    found = series_of(tmp_path / "eyes.rrd")
+    own = f"/eyes/{result.robot_names[rear]}"
+    exact = exact_inputs(result, updates.times[mine], updates.robots[mine], updates.poses_w[mine])
+    true = [np.hypot(*exact[u, owner]) if owner >= 0 else np.nan for u, owner in enumerate(owners[inputs])]
+    np.testing.assert_allclose(found[f"{own}/distance_m/truth"], true, rtol=1e-6)
+    np.testing.assert_allclose(
+        found[f"{own}/distance_m/estimate"], np.hypot(*updates.input_positions[inputs].T), rtol=1e-6
+    )
+
+
+def test_the_time_to_impact_is_that_of_one_robot() -> None:
+    """Straight at a cone at 0.5 m/s it is the distance over the speed; of two robots, and with a gap, there is none."""
+    times = np.arange(5) * 0.1
+    away = 2.0 - 0.5 * times
+    at, impact = recorded_cameras._impact(times, away, np.zeros(5, np.int64))
+    np.testing.assert_allclose(at, times[1:])
+    np.testing.assert_allclose(impact, away[1:] / 0.5)
+    at, _ = recorded_cameras._impact(times, away, np.array([0, 0, 1, 1, 1]))
+    np.testing.assert_allclose(at, times[[1, 3, 4]])
+    at, _ = recorded_cameras._impact(times, np.where(times == times[2], np.nan, away), np.zeros(5, np.int64))
+    np.testing.assert_allclose(at, times[[1, 4]])
 
 
 def test_recording_does_not_change_the_result() -> None:
@@ -266,127 +311,3 @@ def test_all_neighbours_take_a_detection_of_several() -> None:
     assert by_runs
     assert all(way["herd.law.nearest_only"] for way in by_runs)
     assert {way["herd.law.nearest_only"] for way in ways if way["herd.pipeline"] == "cone-blobs"} == {True, False}
-
-
-class TestLabelledImages:
-    def test_each_cone_is_labelled_where_it_is(self, tmp_path: Path) -> None:
-        made = pair(seconds_=0.5, **{"cameras.width_px": 640, "cameras.height_px": 120})
-        write = simulations.of(made).write_images
-        assert write is not None
-        assert write(made, tmp_path, 0.5) == 2 * 2 * 2  # robots, cameras, moments
-        labels = json.loads((tmp_path / "labels.json").read_text())
-        assert {path.name for path in tmp_path.glob("*.png")} == {image["file_name"] for image in labels["images"]}
-        cones = [each for each in labels["annotations"] if each["category_id"] == 1]
-        assert cones
-        by_id = {image["id"]: image for image in labels["images"]}
-        for cone in cones:
-            image = by_id[cone["image_id"]]
-            picture = cv2.imread(str(tmp_path / image["file_name"]))
-            assert picture is not None
-            mask = decoded(cone["segmentation"])
-            assert mask.shape == picture.shape[:2]
-            assert cone["area"] == mask.sum()
-            blue, green, red = picture[mask].mean(axis=0)
-            assert red > 3.0 * max(green, blue)
-            if image["time_s"] > 0.0:
-                continue  # robots have moved
-            # straight ahead of the robot is 47.5 degrees to the right of the left camera's axis
-            (x, y), sign = lenses_of("create-with-cameras")[0], -1.0 if image["camera"] == "left" else 1.0
-            assert cone["bearing_rad"] == pytest.approx(sign * (np.radians(47.5) + np.arctan(y / (1.2 - x))), abs=1e-6)
-            # to the lens, which stands 0.12 m before the centre and 0.03 m aside, from the near side of the cone
-            assert cone["distance_m"] == pytest.approx(1.2 - 0.12 - 0.05, abs=0.02)
-        assert {each["category_id"] for each in labels["annotations"]} == {1, 2}
-
-    def test_a_bearing_is_that_of_the_pixels_columns(self, tmp_path: Path) -> None:
-        """The middle of a cone's columns is its axis's, in a right image that is taken later, by robots that turn."""
-        made = pair("perfect", 1.0, **{"cameras.width_px": 640, "cameras.height_px": 120, "speed_m_s": 0.4})
-        turning = {"leg_1_m_s": 0.4, "leg_1_rad_s": 0.8}
-        driven_ = dataclasses.replace(made.groups[0], law="drive", law_parameters=turning)
-        driven_ = with_setup(driven_, {"imperfections.capture_offset_s": 0.1})
-        made = dataclasses.replace(made, groups=(driven_,))
-        write = simulations.of(made).write_images
-        assert write is not None
-        write(made, tmp_path, 0.25)
-        labels = json.loads((tmp_path / "labels.json").read_text())
-        by_id = {image["id"]: image for image in labels["images"]}
-        compared = list[str]()
-        for each in labels["annotations"]:
-            x, _, width, _ = each["bbox"]
-            if each["category_id"] != 1 or x == 0 or x + width == 640:
-                continue
-            # a column is rendered for its middle, and either border is within half of one
-            assert places(Lens(height_px=120), each["bearing_rad"]) == pytest.approx(x + width / 2.0, abs=1.0)
-            compared.append(by_id[each["image_id"]]["camera"])
-        assert min(compared.count(side) for side in ("left", "right")) >= 3
-
-    def test_pictures_are_those_of_the_cameras_and_lost_pairs_are_not_written(self, tmp_path: Path) -> None:
-        pictures = {}
-        for name, given in (
-            ("none", {}),
-            ("dark", {"imperfections.light": 0.5}),
-            ("mild", {"cameras.setting": "mild"}),
-            ("dropped", {"imperfections.dropped": 0.5}),
-            ("slow", {"imperfections.frame_rate_hz": 2.0}),
-        ):
-            made = pair("perfect", 1.0, **given)
-            write = simulations.of(made).write_images
-            assert write is not None
-            (tmp_path / name).mkdir()
-            count = write(made, tmp_path / name, 0.1)
-            read = [cv2.imread(str(path)) for path in sorted((tmp_path / name).glob("*.png"))]
-            assert count == len(read) == len(json.loads((tmp_path / name / "labels.json").read_text())["images"])
-            pictures[name] = read
-        assert len(pictures["none"]) == len(pictures["dark"]) == len(pictures["mild"]) == 2 * 2 * 11
-        assert len(pictures["slow"]) == 2 * 2 * 3
-        assert 0 < len(pictures["dropped"]) < 2 * 2 * 11
-        assert len(pictures["dropped"]) % 2 == 0
-        plain, dark, mild = (np.asarray(pictures[name][0], float) for name in ("none", "dark", "mild"))
-        np.testing.assert_allclose(dark, plain / 2.0, atol=0.5)
-        assert (plain != mild).any()
-
-    def test_a_robot_is_labelled_at_its_own_centre(self, tmp_path: Path) -> None:
-        """And its cone, which a Pioneer carries elsewhere, where that stands."""
-        made = pair("perfect", 0.1, **{"cameras.width_px": 640, "cameras.height_px": 240, "body": "pioneer"})
-        write = simulations.of(made).write_images
-        assert write is not None
-        write(made, tmp_path, 1.0)
-        annotations = json.loads((tmp_path / "labels.json").read_text())["annotations"]
-        lens_x, lens_y = lenses_of("pioneer")[0]
-        cone_x, _ = cone_of("pioneer")
-        assert abs(cone_x) > 0.02
-        for category, away in (
-            (1, np.hypot(1.2 + cone_x - lens_x, lens_y) - CONE_RADIUS),
-            (2, np.hypot(1.2 - lens_x, lens_y)),
-        ):
-            found = [each["distance_m"] for each in annotations if each["category_id"] == category]
-            assert found == pytest.approx([away] * len(found), abs=1e-3)
-            assert found
-
-    def test_a_robot_without_a_cone_is_labelled_at_its_centre(self, tmp_path: Path) -> None:
-        made = pair(seconds_=0.1, **{"cameras.width_px": 640, "cameras.height_px": 240})
-        plain = with_setup(group("drive", 1, name="plain", pipeline="perfect"), {"body": "create"})
-        plain = with_setup(plain, {"formation": "single-file", "start_x_m": 2.4})
-        alone = dataclasses.replace(made.groups[0], count=1)
-        made = dataclasses.replace(made, groups=(alone, plain))
-        write = simulations.of(made).write_images
-        assert write is not None
-        write(made, tmp_path, 1.0)
-        labels = json.loads((tmp_path / "labels.json").read_text(), parse_constant=pytest.fail)
-        assert {each["category_id"] for each in labels["annotations"]} == {2}
-        for each in labels["annotations"]:
-            assert each["distance_m"] == pytest.approx(2.4 - 0.12, abs=0.05)
-
-    def test_robots_without_cameras_are_refused_with_those_that_have_some(self, tmp_path: Path) -> None:
-        made = pair("perfect", body="create")
-        write = simulations.of(made).write_images
-        assert write is not None
-        with pytest.raises(InputError, match="no robot of 'eyes' carries cameras") as refused:
-            write(made, tmp_path, 0.5)
-        assert "create-with-cameras" in str(refused.value)
-
-    def test_the_command_refuses_a_folder_that_is_there(
-        self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-    ) -> None:
-        monkeypatch.setattr("sys.argv", ["herd", "images", "follow-1", "--out", str(tmp_path)])
-        assert cli.main() == 2
-        assert "expected a new one" in capsys.readouterr().err
