@@ -19,17 +19,24 @@ from typing import Any
 
 from flocking.errors import InputError
 from trials.simulations.contract import StoppedError
+from trials.types import Trial
 
 
-def pilot(experiment: str, number: int, times: float, settings: Mapping[str, Any], out: Path | None) -> None:
-    """Runs the trial of that number of an experiment; `out` gets its recording. Raises `InputError`."""
-    from trials import simulations
+def trial_of(experiment: str, number: int, settings: Mapping[str, Any]) -> Trial:
+    """The trial of that number, from 1, of an experiment. Raises `InputError`."""
     from trials.design import plan
 
     made = plan(experiment, settings=settings)
     if not 1 <= number <= len(made.trials):
         raise InputError(f"--trial {number}: {experiment} has trials 1 to {len(made.trials)}")
-    trial = made.trials[number - 1]
+    return made.trials[number - 1]
+
+
+def pilot(experiment: str, number: int, times: float, settings: Mapping[str, Any], out: Path | None) -> None:
+    """Runs the trial of that number of an experiment; `out` gets its recording. Raises `InputError`."""
+    from trials import simulations
+
+    trial = trial_of(experiment, number, settings)
     own = simulations.of(trial)
     if own.watched is None:
         raise InputError(f"experiment {experiment!r} has no task; expected one whose herd is guided, as piloting")

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, NamedTuple, Protocol
 
 from flocking.errors import InputError
+from trials.commands.piloting import trial_of
 from trials.simulations.contract import StoppedError
 
 UP, DOWN, LEFT, RIGHT, SPACE, ESCAPE = 265, 264, 263, 262, 32, 256
@@ -119,12 +120,8 @@ def watch(
 ) -> None:
     """Steers the trial of that number of an experiment; `out` gets its recording. Raises `InputError`."""
     from trials import simulations
-    from trials.design import plan
 
-    made = plan(experiment, settings=settings)
-    if not 1 <= number <= len(made.trials):
-        raise InputError(f"--trial {number}: {experiment} has trials 1 to {len(made.trials)}")
-    trial = made.trials[number - 1]
+    trial = trial_of(experiment, number, settings)
     own = simulations.of(trial)
     if own.steered is None:
         raise InputError(f"experiment {experiment!r} has nobody to steer; expected a running herd, as herd-steady")
