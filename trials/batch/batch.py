@@ -111,7 +111,7 @@ def run_batch(
                 _warm_up(workers, work, wake)
             while trials:
                 by_index = {trial.index: trial for trial in trials}
-                for ended in workers.run([_task(trial, store, work) for trial in trials], wake):
+                for ended in workers.run(ordered([_task(trial, store, work) for trial in trials], jobs), wake):
                     trial = by_index[ended.task.key]
                     rows.append(_keep(store, trial, _output(ended, trial, work)))
                     progress.ended(rows[-1])
@@ -145,7 +145,18 @@ def _engine(
 
 def _task(trial: Trial, store: Store, work: Work) -> Task:
     files = store.files(trial.index, trial.index in work.recorded)
-    return Task(trial.index, worker.attempt, (work.run, trial.as_dict(), work.scans, files), work.limit_s(trial))
+    shares = simulations.of(trial).shares(trial)
+    return Task(
+        trial.index, worker.attempt, (work.run, trial.as_dict(), work.scans, files), work.limit_s(trial), shares
+    )
+
+
+def ordered(tasks: Sequence[Task], jobs: int) -> list[Task]:
+    """The tasks in their order, but those first that may take more than half of a worker's share of them all: begun
+    last, they would be left to run alone."""
+    long = sum(task.limit_s for task in tasks) / (2 * jobs)
+    first = sorted((task for task in tasks if task.limit_s > long), key=lambda task: -task.limit_s)
+    return [*first, *(task for task in tasks if task.limit_s <= long)]
 
 
 def _warm_up(workers: Crew, work: Work, wake: int) -> None:

@@ -11,7 +11,7 @@ import multiprocessing
 import os
 import signal
 from collections import deque
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Container, Hashable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from multiprocessing import connection, resource_tracker
@@ -49,6 +49,8 @@ class Task(NamedTuple):
     args: tuple[Any, ...]
     limit_s: float
     """Processor time that it may use."""
+    shares: Hashable = None
+    """Equal for tasks that are shorter in a worker that has just done another of them; None: there is no such."""
 
 
 class Ended(NamedTuple):
@@ -77,6 +79,8 @@ class _Worker:
     patience: Patience
     tasks: deque[Task] = field(default_factory=deque)
     """Handed out and not ended, oldest first: the first is at work."""
+    shares: Hashable = None
+    """Of the last task that was handed out."""
     is_ready: bool = False
     took_s: float = 0.0
     """Wall time of its last task."""
@@ -144,7 +148,10 @@ class Crew:
             for worker in self.workers:
                 short = worker.is_ready and 0.0 < worker.took_s < SHORT_S
                 if waiting and len(worker.tasks) == ahead and (ahead == 0 or short):
-                    task = waiting.popleft()
+                    others = {other.shares for other in self.workers if other is not worker and other.tasks}
+                    task = following(waiting, worker.shares, others)
+                    waiting.remove(task)
+                    worker.shares = task.shares
                     if not worker.tasks:
                         _begins(worker)
                     worker.tasks.append(task)
@@ -207,6 +214,15 @@ class Crew:
             worker.why = WAITS
         if worker.why:
             worker.process.kill()
+
+
+def following(waiting: Iterable[Task], last: Hashable, others: Container[Hashable]) -> Task:
+    """The task that a worker does next: the first that shares something with its last one, else the first that shares
+    nothing with what others are at, else the first."""
+    tasks = list(waiting)
+    near = (task for task in tasks if task.shares is not None and task.shares == last)
+    apart = (task for task in tasks if task.shares is None or task.shares not in others)
+    return next(near, None) or next(apart, None) or tasks[0]
 
 
 def check_main_guard() -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Protocol
@@ -73,6 +73,8 @@ class Simulation:
     """Modules whose constants `herd show` lists with a trial."""
     check_start: Callable[[Trial], None] = lambda trial: None
     """Refuses a trial whose start, which its repeat's random numbers make, does not fit its world."""
+    shares: Callable[[Trial], Hashable] = lambda trial: None
+    """Equal for trials of which a process that has just run one needs less time for the next; None: for no others."""
     has_scans: bool = False
     """Whether there are scans that a recording can keep."""
     world_xml: Callable[[Trial], str] | None = None

@@ -16,7 +16,8 @@ import pytest
 
 from flocking.errors import InputError, StorageError
 from trials.batch import runfile, store
-from trials.batch.batch import Summary, Work, run_batch
+from trials.batch.batch import Summary, Work, ordered, run_batch
+from trials.batch.crew import Task, following
 from trials.batch.store import Row, Store
 from trials.types import Trial
 
@@ -67,6 +68,41 @@ def test_all_trials_are_kept_and_equal_for_any_number_of_workers(tmp_path: Path)
     assert [row.index for row in one.rows] == list(range(1, 9))
     assert table(tmp_path / "one") == table(tmp_path / "four")
     assert files(tmp_path / "one") == files(tmp_path / "four")
+
+
+def task(key: int, limit_s: float = 1.0, shares: str | None = None) -> Task:
+    return Task(key, print, (), limit_s, shares)
+
+
+@pytest.mark.parametrize(
+    ("limits", "jobs", "order"),
+    [
+        ([1, 1, 1, 1, 1], 2, [1, 2, 3, 4, 5]),
+        ([1, 1, 1, 3, 7], 2, [5, 1, 2, 3, 4]),  # a quarter of the sum, 3.25, is more than 3
+        ([1, 1, 1, 4, 7], 2, [5, 4, 1, 2, 3]),
+        ([2, 3, 2], 2, [2, 1, 3]),
+        ([], 2, []),
+    ],
+)
+def test_a_trial_that_would_run_alone_at_the_end_begins_first(limits: list[float], jobs: int, order: list[int]) -> None:
+    tasks = [task(k, limit) for k, limit in enumerate(limits, start=1)]
+    assert [each.key for each in ordered(tasks, jobs)] == order
+
+
+@pytest.mark.parametrize(
+    ("shares", "last", "others", "key"),
+    [
+        (["a", "b", "a"], "b", {"a"}, 2),  # what it has done before
+        (["a", "b", "c"], "d", {"a"}, 2),  # nobody else is at it
+        (["a", "a"], "b", {"a"}, 1),  # better than to wait
+        ([None, None], None, {None}, 1),  # nothing is shared: in their order
+        (["a", "b"], None, set(), 1),
+    ],
+)
+def test_tasks_that_share_something_stay_with_one_worker(
+    shares: list[str | None], last: str | None, others: set[str | None], key: int
+) -> None:
+    assert following([task(k, shares=each) for k, each in enumerate(shares, start=1)], last, others).key == key
 
 
 def test_what_goes_wrong_in_one_trial_is_its_own_affair(tmp_path: Path) -> None:

@@ -8,7 +8,7 @@ control does.
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -22,7 +22,7 @@ from flocking.types import Bools, Floats
 from generation.combined import fitness_of
 from generation.environment import Environment
 from trials.simulations import watch
-from trials.simulations.environments import fields, herds
+from trials.simulations.environments import fields, herds, ways
 from trials.simulations.environments.measures import measure
 from trials.simulations.environments.members import Members
 from trials.types import Trial, TrialResult, no_contacts, no_updates
@@ -109,7 +109,7 @@ def _judge(trial: Trial, numbers: Sequence[int], chosen: fields.Chosen, group: M
             passing.append((number, whole))
         watch.breathe(number)
     most = fields.of_trial(trial).examples
-    for number, whole, positions in _ways(trial, passing, chosen, group):
+    for number, whole, positions in ways.of(trial, passing, chosen, group):
         found.fitness[number] = chosen.behaviour.judged(positions, whole, chosen.of_behaviour)
         found.stages[number] = fitness_of(chosen.parts, positions, whole)
         if found.first is None:
@@ -118,18 +118,10 @@ def _judge(trial: Trial, numbers: Sequence[int], chosen: fields.Chosen, group: M
             found.examples.append((number, positions.copy()))
         watch.breathe(number)
     controls = [(number, herds.without_construct(whole)) for number, whole in passing]
-    for number, empty, positions in _ways(trial, controls, chosen, group):
+    for number, empty, positions in ways.of(trial, controls, chosen, group, is_control=True):
         found.control[number] = chosen.behaviour.judged(positions, empty, chosen.of_behaviour)
         found.control_stages[number] = fitness_of(chosen.parts, positions, empty)
         watch.breathe(number)
-
-
-def _ways(
-    trial: Trial, passing: Sequence[tuple[int, Environment]], chosen: fields.Chosen, group: Members
-) -> Iterator[tuple[int, Environment, Floats]]:
-    jobs = [herds.job(trial, number, whole) for number, whole in passing]
-    for (number, whole), positions in zip(passing, group.trajectories(jobs, chosen.iterations), strict=True):
-        yield number, whole, positions
 
 
 def _result(trial: Trial, chosen: fields.Chosen, found: _Found, outcome: str, reason: str) -> TrialResult:

@@ -9,7 +9,7 @@ from flocking.parameters import filled
 from generation import found
 from trials.rows import below
 from trials.simulations.contract import Simulation
-from trials.simulations.environments import fields, keys, loop
+from trials.simulations.environments import fields, keys, loop, ways
 from trials.simulations.environments.measures import ABOUT, KEY_MEASURES
 from trials.simulations.kinematic import herd
 from trials.types import Trial, TrialResult, with_setup
@@ -96,4 +96,5 @@ SIMULATION = Simulation(
     at_step=at_step,
     listed=listed,
     constants=constants,
+    shares=ways.shares,
 )

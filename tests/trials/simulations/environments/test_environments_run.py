@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import dataclasses
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from flocking.errors import InputError
+from flocking.types import Floats
+from generation.group import Job
 from trials.batch import series
 from trials.simulations import check, run_trial, settled
-from trials.simulations.environments import fields, herds
+from trials.simulations.environments import fields, herds, ways
 from trials.simulations.environments.loop import poses_of, walls_of
 from trials.simulations.kinematic.fields import group
 from trials.types import Trial, TrialResult, with_setup
@@ -118,6 +122,42 @@ def test_the_control_has_the_start_and_the_numbers_of_its_environment() -> None:
     assert with_walls.seed == without.seed
     assert len(without.environment.walls()) == 0
     assert without.environment.markers == whole.markers
+
+
+def test_another_behaviour_judges_the_same_herd_without_simulating_it_anew(monkeypatch: pytest.MonkeyPatch) -> None:
+    simple, balanced, longer, other = (
+        settled(dataclasses.replace(trial("splitting", count=9, environments=20, **setup), seed=seed))
+        for seed, setup in [
+            (11, {"behaviour": "simple-split", "iterations": 60}),
+            (11, {"behaviour": "balanced-split", "iterations": 60}),
+            (11, {"behaviour": "simple-split", "iterations": 20}),
+            (12, {"behaviour": "simple-split", "iterations": 60}),
+        ]
+    )
+    apart = {}
+    for name, given in {"simple": simple, "balanced": balanced}.items():
+        run_trial(other, reraise=True)
+        apart[name] = run_trial(given, reraise=True)
+    simulated = []
+    trajectories = ways.Members.trajectories
+
+    def counted(group: ways.Members, jobs: Sequence[Job], iterations: int) -> Iterator[Floats]:
+        simulated.append(len(jobs))
+        return trajectories(group, jobs, iterations)
+
+    monkeypatch.setattr(ways.Members, "trajectories", counted)
+    run_trial(other, reraise=True)
+    assert len(simulated) == 2  # the environments and their controls
+    for again in (run_trial(simple, reraise=True), run_trial(simple, reraise=True)):
+        assert again.measures == pytest.approx(apart["simple"].measures, rel=0, abs=0, nan_ok=True)
+    together = run_trial(balanced, reraise=True)
+    assert len(simulated) == 4
+    assert together.measures == pytest.approx(apart["balanced"].measures, rel=0, abs=0, nan_ok=True)
+    np.testing.assert_array_equal(together.tables["control"], apart["balanced"].tables["control"])
+    assert not np.array_equal(apart["simple"].tables["fitness"], apart["balanced"].tables["fitness"], equal_nan=True)
+    run_trial(longer, reraise=True)
+    assert len(simulated) == 6
+    assert ways.shares(simple) == ways.shares(balanced) != ways.shares(other)
 
 
 def test_the_example_is_in_the_result(of_grammar: TrialResult) -> None:
