@@ -5,7 +5,6 @@ Metres, seconds; world frame.
 
 from __future__ import annotations
 
-import importlib
 from typing import Any, Protocol
 
 import mujoco
@@ -14,14 +13,11 @@ import numpy as np
 from flocking.herding import HerdMind, MovingHerd
 from flocking.herding.loop import Touching
 from flocking.types import Bools, Floats
+from trials.simulations.running.disturbances import Pushes
 
 NOTED_EVERY_S = 0.02
 """From one look at who touches whom to the next, of bodies with legs: two that pass at 2 m/s come 4 cm nearer. Point
 masses are looked at in every step. A choice."""
-HIGHEST_DROP_M = 0.3
-"""Bodies with legs start so high above the ground at the most, so that they do not hop in step. A choice."""
-
-
 BAD = (mujoco.mjtWarning.mjWARN_BADQPOS, mujoco.mjtWarning.mjWARN_BADQVEL, mujoco.mjtWarning.mjWARN_BADQACC)
 """MuJoCo's warnings of a state that is no longer finite."""
 
@@ -86,14 +82,10 @@ class Legged:
     Who has fallen lies where it fell, decides nothing and is not seen.
     """
 
-    def __init__(self, mind: HerdMind, ground: str, dt: float, rng: np.random.Generator) -> None:
-        """`ground`: the module of the body's ground. Actual velocities are those last seen in flight."""
-        count = len(mind.there)
-        poses = np.column_stack([mind.herd.positions, mind.herd.headings])
-        built: Any = importlib.import_module(ground).build(
-            poses, rng.uniform(0.0, HIGHEST_DROP_M, count), timestep_s=dt
-        )
-        self.mind, self.dt = mind, dt
+    def __init__(self, mind: HerdMind, built: Any, dt: float, pushes: Pushes) -> None:
+        """`built`: the robots on their ground, as its `build` makes them. Actual velocities are those last seen in
+        flight."""
+        self.mind, self.dt, self.pushes, self._pushed = mind, dt, pushes, 0
         self.model, self.data, self.fleet = built.model, built.data, built.fleet
         roots = self.fleet.root_bodies
         joints = self.model.body_jntadr[roots]
@@ -114,6 +106,8 @@ class Legged:
             mind.decide(flying, draws[step - first], self.dt, step)
             fleet.desire_all(herd.desired)
             herd.desired[:] = fleet.desired
+            if self._pushed < len(self.pushes.steps):
+                self._push(step)
             fleet.before_step(data)
             mujoco.mj_step(model, data)
             fleet.after_step(data)
@@ -123,6 +117,12 @@ class Legged:
         herd.positions[:] = data.qpos[self._places]
         if sum(data.warning[int(kind)].number for kind in BAD):
             raise DivergedError(f"the physics of the creatures diverged before {(first + len(draws)) * self.dt:g} s")
+
+    def _push(self, step: int) -> None:
+        """Pushes whom this step's pushes are for."""
+        while self._pushed < len(self.pushes.steps) and self.pushes.steps[self._pushed] <= step:
+            self.fleet.push(self.data, int(self.pushes.robots[self._pushed]), self.pushes.impulses_w[self._pushed])
+            self._pushed += 1
 
     def poses(self) -> Floats:
         """See `Creatures`."""

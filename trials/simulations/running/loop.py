@@ -22,7 +22,7 @@ from flocking.types import Floats
 from robots import body as bodies
 from trials.simulations import watch
 from trials.simulations.contract import StoppedError
-from trials.simulations.running import fields, herd, script
+from trials.simulations.running import disturbances, fields, herd, script
 from trials.simulations.running.creatures import Creatures, DivergedError, Legged, Particles
 from trials.simulations.running.measures import measure
 from trials.streams import Purpose, stream
@@ -30,6 +30,8 @@ from trials.types import Contacts, Trial, TrialResult, no_updates
 
 MOST_TOUCHES = 100_000
 """Collisions that are kept; later ones are only counted."""
+HIGHEST_DROP_M = 0.3
+"""Bodies with legs start so high above the ground at the most, so that they do not hop in step. A choice."""
 CORNERS = 32
 """Of the obstacle as it is drawn."""
 
@@ -94,10 +96,13 @@ def built(trial: Trial) -> Creatures:
     if isinstance(mind, MovingHerd):
         return Particles(mind, given.timestep_s)
     rng = stream(trial.seed, trial.repeat, 1, 0, Purpose.PHASE)
-    ground = fields.ground_of(bodies.load(own.body).name)
-    if given.timestep_s > importlib.import_module(ground).one_legged.TIMESTEP + 1e-12:
+    ground = importlib.import_module(fields.ground_of(bodies.load(own.body).name))
+    if given.timestep_s > ground.one_legged.TIMESTEP + 1e-12:
         raise InputError(f"timestep_s = {given.timestep_s:g}: expected less with body {own.body!r}")
-    return Legged(mind, ground, given.timestep_s, rng)
+    poses_w = np.column_stack([mind.herd.positions, mind.herd.headings])
+    heights = rng.uniform(0.0, HIGHEST_DROP_M, group.count)
+    robots = disturbances.built(trial, ground, poses_w, heights)
+    return Legged(mind, robots, given.timestep_s, disturbances.drawn_pushes(trial))
 
 
 def run(

@@ -25,6 +25,7 @@ MOST_MEASURED = 400
 ABOUT: dict[str, Measure] = {
     "upright": Measure("", "share of the creatures that are upright at the end"),
     "falls": Measure("", "creatures that fell, before the test too"),
+    "first_fall": Measure("s", "from the trial's begin to the first fall; nan = nobody fell"),
     "collisions": Measure("", "times that two creatures came nearer than `collision_m`"),
     "collisions_a_minute": Measure("1/min", "the same, a minute of the test"),
     "closest": Measure("m", "least distance between two creatures"),
@@ -69,6 +70,7 @@ def measure(result: TrialResult, collisions: int, closest: float) -> dict[str, f
     found |= {
         "upright": float(np.isnan(fallen_s).mean()),
         "falls": float(np.isfinite(fallen_s).sum()),
+        "first_fall": float(np.nanmin(fallen_s)) if np.isfinite(fallen_s).any() else math.nan,
         "collisions": float(collisions),
         "collisions_a_minute": collisions / minutes if minutes > 0.0 else math.nan,
         "closest": closest if math.isfinite(closest) else math.nan,

@@ -10,11 +10,11 @@ from flocking.parameters import filled
 from trials.rows import Section, section
 from trials.simulations import spread
 from trials.simulations.contract import Rider, Simulation
-from trials.simulations.running import fields, herd
+from trials.simulations.running import disturbances, fields, herd
 from trials.simulations.running.measures import ABOUT, KEY_MEASURES
 from trials.types import Group, Trial, TrialResult, with_setup
 
-CONSTANTS = ("trials.simulations.running.measures",)
+CONSTANTS = ("trials.simulations.running.measures", "trials.simulations.running.disturbances")
 
 
 def keys_of(trial: Trial, group: Group | None = None) -> list[Section]:
@@ -24,13 +24,26 @@ def keys_of(trial: Trial, group: Group | None = None) -> list[Section]:
             section("", fields.TrialFields, lambda: fields.of_trial(trial)._asdict()),
             section("", fields.NameFields, lambda: {"world": trial.world, "formation": trial.formation}),
             section("formation.", fields.FormationFields, lambda: fields.formation_of(trial)._asdict()),
+            section(disturbances.GROUND, disturbances.GroundFields, lambda: disturbances.ground_of(trial)._asdict()),
+            section(disturbances.PUSH, disturbances.PushFields, lambda: disturbances.pushes_of(trial)._asdict()),
         ]
     law = lawentry.module_of(group.law, group.law_source)
     return [
         section("", fields.GroupFields, lambda: fields.of_group(group)._asdict()),
         section("law.", law.Parameters, lambda: filled(law.Parameters, group.law_parameters)._asdict()),
         spread.section_of(group),
+        section(
+            disturbances.IMPERFECTIONS,
+            disturbances.ImperfectionFields,
+            lambda: disturbances.imperfections_of(trial)._asdict(),
+        ),
     ]
+
+
+def check(trial: Trial) -> None:
+    """Refuses a trial whose names and numbers do not fit one another, without compiling anything: `InputError`."""
+    herd.check(trial)
+    disturbances.check(trial)
 
 
 def run_trial(trial: Trial, scans: str, reraise: bool, folder: Path | None) -> TrialResult:
@@ -91,7 +104,7 @@ def listed(kind: str) -> Mapping[str, object]:
 
 SIMULATION = Simulation(
     keys_of=keys_of,
-    check=herd.check,
+    check=check,
     settled=lambda trial: trial,
     run_trial=run_trial,
     record=record,

@@ -10,6 +10,7 @@ import numpy as np
 
 from flocking.types import Floats
 from trials.evidence.runs import Run
+from trials.evidence.statistics import mean_interval
 from trials.reports import figures as draw
 from trials.reports.arms import by_arm
 from trials.reports.figures import Canvas, Figure, Place
@@ -19,6 +20,17 @@ from trials.studies.robot_herds.design import AHEAD, BODIES, BODY, SELECTION, VE
 from trials.types import TrialResult
 
 HERD, USER, FALLEN = "#333333", "#d62728", "#999999"
+DISTURBANCES = {
+    "ground.friction": "friction of the foot",
+    "ground.uneven_m": "heights of the ground, std (m)",
+    "push.impulse_n_s": "pushes every 10 s (N s)",
+    "herd.imperfections.torque_n_m": "most torque at the hip (N m)",
+    "herd.imperfections.velocity_m_s": "noise of the velocity (m/s)",
+    "herd.imperfections.angle_deg": "noise of angles (deg)",
+    "herd.imperfections.rate_deg_s": "noise of turn rates (deg/s)",
+    "herd.imperfections.delay_s": "delay (s)",
+}
+"""What `herd-disturbed` varies, in words."""
 EVERY_S = 100.0
 """From one snapshot to the next, figure 5."""
 
@@ -183,6 +195,32 @@ def _personality(run: Run, place: Place) -> list[Figure]:
     }
     caption = "Means over the trials with 95 % intervals; the spring's gain spread uniformly by this share."
     return [draw.save(curves(panels, "spread of k_p"), place, "personality", "Different creatures", caption)]
+
+
+def disturbed_figures(run: Run, folder: Path) -> list[Figure]:
+    """The share that stays upright against each disturbance."""
+    return by_arm(run, folder, tuple(DISTURBANCES), lambda arm, place: [_disturbed(arm, place)])
+
+
+def _disturbed(run: Run, place: Place) -> Figure:
+    """A panel for each disturbance, along which the others are as in the run's first cell."""
+    usual = {key: run.trials[0].conditions[key] for key in DISTURBANCES if key in run.trials[0].conditions}
+    canvas, axes = draw.grid(len(DISTURBANCES), 4, width=9.6, height=5.0)
+    for axis, (key, title) in zip(axes, DISTURBANCES.items(), strict=True):
+        alone = {other: value for other, value in usual.items() if other != key}
+        curve = curve_of(run, "upright", key, "", alone)
+        means = np.array([mean_interval(values) for values in curve.values]).reshape(-1, 3)
+        axis.plot(curve.x, means[:, 0], "-o", color=draw.SERIES_COLOURS[0], ms=2.5, lw=0.9)
+        axis.vlines(curve.x, means[:, 1], means[:, 2], color=draw.SERIES_COLOURS[0], lw=0.9)
+        axis.set_title(title, loc="left")
+        axis.set_ylim(-0.05, 1.1)
+        if key.endswith("torque_n_m"):
+            axis.set_xscale("log")
+    caption = (
+        "Share of the robots that are upright at the end, means over the trials with 95 % intervals; one thing at a "
+        "time. A torque of 300 N m is the control's own bound."
+    )
+    return draw.save(canvas, place, "upright", "Upright against each disturbance", caption)
 
 
 def _speeds(run: Run, cells: Sequence[dict[str, Any]]) -> Canvas:
