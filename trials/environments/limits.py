@@ -1,4 +1,4 @@
-"""A limit of processor time for code of the user's own that runs in this process.
+"""A limit of processor time, and of waiting, for code of the user's own that runs in this process.
 
 It is for code in Python, which a signal interrupts between two of its steps; compiled code is watched from outside
 (`trials.simulations.watch`).
@@ -11,6 +11,7 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
+from time import process_time
 from typing import Any
 
 from flocking.errors import InputError
@@ -19,14 +20,15 @@ from flocking.types import Floats
 from generation import behaviours
 from generation.behaviours import Behaviour
 from generation.environment import Environment
+from trials.batch.patience import LEAST_S, STILL_S
 
 AGAIN_S = 1.0
 """Processor time after which a block that caught the error meets it once more."""
 
 
 @contextmanager
-def limited(what: str, limit_s: float) -> Iterator[None]:
-    """Raises `InputError` in a block that uses more processor time (s).
+def limited(what: str, limit_s: float, still_s: float = STILL_S) -> Iterator[None]:
+    """Raises `InputError` in a block that uses more processor time (s), or none for `still_s` of wall time.
 
     Signals are the main thread's: in another one the block has no limit.
     """
@@ -37,13 +39,25 @@ def limited(what: str, limit_s: float) -> Iterator[None]:
     def late(*_: object) -> None:
         raise InputError(f"{what} did not return within {limit_s:g} s of processor time")
 
-    before = signal.signal(signal.SIGVTALRM, late)
+    used_s = process_time()
+
+    def still(*_: object) -> None:
+        nonlocal used_s
+        now = process_time()
+        if now - used_s < LEAST_S:
+            raise InputError(f"{what} waited for something that did not come within {still_s:g} s")
+        used_s = now
+
+    before = {number: signal.signal(number, how) for number, how in ((signal.SIGVTALRM, late), (signal.SIGALRM, still))}
     try:
         signal.setitimer(signal.ITIMER_VIRTUAL, limit_s, AGAIN_S)
+        signal.setitimer(signal.ITIMER_REAL, still_s, still_s)
         yield
     finally:
-        signal.setitimer(signal.ITIMER_VIRTUAL, 0.0)
-        signal.signal(signal.SIGVTALRM, before)
+        for timer in (signal.ITIMER_VIRTUAL, signal.ITIMER_REAL):
+            signal.setitimer(timer, 0.0)
+        for number, how in before.items():
+            signal.signal(number, how)
 
 
 def loaded(name: str, limit_s: float) -> Behaviour:
