@@ -110,6 +110,7 @@ class HerdMind:
             np.empty((0, 3)) if discs is None else np.array(discs, dtype=np.float64).reshape(-1, 3),
             float(sight_m),
             "bearings" in law.needs,
+            "headings" in law.needs,
             tells and self.HAVE_DYNAMICS,
         )
 

@@ -61,6 +61,8 @@ class Herd(NamedTuple):
     """Range of that."""
     bearings: bool
     """Whether the law reads bearings, which are else of no use."""
+    headed: bool
+    """Whether it reads headings, likewise."""
     tells: bool
     """Whether a member is told of its neighbours' desired velocities: `actual` ones are then shifted, its own too, so
     that their mean over those it sees is that of the desired ones. What one is relative to another stays as it is."""
@@ -102,6 +104,7 @@ def example_herd() -> Herd:
         np.empty((0, 0, 2)),
         np.empty((0, 3)),
         0.0,
+        False,
         False,
         False,
     )
@@ -171,7 +174,7 @@ def decide_all(law: Callable[..., None], herd: Herd, who: Bools, draws: Floats, 
     """
     count = len(herd.positions)
     own, near, bearings = np.empty(OWN_SIZE), np.empty((count, 2)), np.empty(count)
-    headings, velocities, ids = np.empty(count), np.empty((count, 2)), np.empty(count, np.int64)
+    headings, velocities, ids = np.full(count, math.nan), np.empty((count, 2)), np.empty(count, np.int64)
     sets, points = np.ones(count, np.bool_), np.empty((len(herd.discs), 2))
     # velocities change once all have decided: actual and desired ones may be the same array
     for i in range(count):
@@ -195,7 +198,8 @@ def decide_all(law: Callable[..., None], herd: Herd, who: Bools, draws: Floats, 
                 vx, vy = vx + herd.velocity_errors[i, j, 0], vy + herd.velocity_errors[i, j, 1]
             near[k, 0], near[k, 1] = c * dx + s * dy, c * dy - s * dx
             velocities[k, 0], velocities[k, 1] = c * vx + s * vy, c * vy - s * vx
-            headings[k] = herd.headings[j] - heading
+            if herd.headed:
+                headings[k] = herd.headings[j] - heading
             if herd.bearings:
                 bearings[k] = math.atan2(near[k, 1], near[k, 0])
             ids[k] = j

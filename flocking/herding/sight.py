@@ -6,61 +6,59 @@ import math
 
 import numpy as np
 
-from flocking.compilation import allocating, borrowing, compiled
+from flocking.compilation import borrowing, compiled
 from flocking.perception import ARGUMENTS, Step, keep, keep_nearest
 from flocking.types import Bools, Floats, Ints
 
+MOST_TURNS = 100
+"""Bounds that are tried: halved fifty times, any two different distances are told apart."""
+
 
 @borrowing
-def smallest(values: Floats, count: int, k: int) -> float:
-    """The k-th smallest, from 1, of the first `count` values, whose order it changes (Hoare's selection)."""
-    low, high, at = 0, count - 1, k - 1
-    while low < high:
-        a, b, c = values[low], values[(low + high) // 2], values[high]
-        pivot = max(min(a, b), min(max(a, b), c))
-        i, j = low, high
-        while i <= j:
-            while values[i] < pivot:
-                i += 1
-            while values[j] > pivot:
-                j -= 1
-            if i <= j:
-                values[i], values[j] = values[j], values[i]
-                i, j = i + 1, j - 1
-        if at <= j:
-            high = j
-        elif at >= i:
-            low = i
+def bound_of(squared: Floats, count: int, k: int) -> float:
+    """A number that k of the `squared` distances, of which `count` are finite and more than k, are within; nan where
+    ties leave none.
+
+    Between two bounds it is guessed by how many lie within each, as in a plane these grow with the squared distance,
+    and every other time halfway. To count takes no branch that a processor could guess wrong, as sorting does.
+    """
+    low, high, under, over = 0.0, 0.0, 0, count
+    for j in range(len(squared)):
+        high = max(high, squared[j] if squared[j] < math.inf else 0.0)
+    for turn in range(MOST_TURNS):
+        part = (k + 0.5 - under) / (over - under) if turn % 2 == 0 else 0.5
+        middle, within = low + min(part, 0.9) * (high - low), 0
+        for j in range(len(squared)):
+            within += squared[j] <= middle
+        if within == k:
+            return middle
+        if within < k:
+            low, under = middle, within
         else:
-            break
-    return float(values[at])
+            high, over = middle, within
+    return math.nan
 
 
-@allocating
-def keep_k_nearest(positions: Floats, k: int, mask: Bools) -> None:
+@borrowing
+def keep_k_nearest(positions: Floats, k: int, mask: Bools, squared: Floats) -> None:
     """The k nearest of the members that `mask` (M,) holds, as `flocking.perception.keep_nearest` gives them.
 
-    That looks k times at all members; this sorts their distances in part, and leaves ties to it.
+    That looks k times at all members; this looks for a distance that k are within, and leaves ties to it. `squared`
+    (M,) is room.
     """
-    squared, sorted_, count = np.full(len(mask), math.inf), np.empty(len(mask)), 0
+    count = 0
     for j in range(len(mask)):
-        if mask[j]:
-            squared[j] = positions[j, 0] * positions[j, 0] + positions[j, 1] * positions[j, 1]
-            sorted_[count] = squared[j]
-            count += 1
+        away = positions[j, 0] * positions[j, 0] + positions[j, 1] * positions[j, 1]
+        squared[j] = away if mask[j] else math.inf
+        count += mask[j]
     if count <= k:
         return
-    if k <= 0:
-        mask[:] = False
-        return
-    bound, within = smallest(sorted_, count, k), 0
-    for j in range(len(mask)):
-        within += squared[j] <= bound
-    if within > k:
+    bound = bound_of(squared, count, k) if k > 0 else -1.0
+    if math.isnan(bound):
         keep_nearest(positions, k, mask)
         return
     for j in range(len(mask)):
-        mask[j] &= squared[j] <= bound
+        mask[j] = squared[j] <= bound
 
 
 @compiled
@@ -83,9 +81,12 @@ def look(
     count = len(positions)
     near, bearings, ids = np.empty((count, 2)), np.empty(count), np.empty(count, np.int64)
     nobody, mask, numbers = np.zeros(count, np.bool_), np.empty(count, np.bool_), np.empty(ARGUMENTS)
-    errs = len(errors) > 0
+    errs, squared = len(errors) > 0, np.empty(count)
+    turned = False  # distances are the same in any axes
+    for step in steps:
+        turned |= step != Step.ALL and step != Step.K_NEAREST and step != Step.DISTANCE_BASED
     for i in range(count):
-        c, s = math.cos(headings[i]), math.sin(headings[i])
+        c, s = (math.cos(headings[i]), math.sin(headings[i])) if turned else (1.0, 0.0)
         found = 0
         for j in range(count):
             if j == i or not there[j]:
@@ -103,7 +104,7 @@ def look(
             if steps[k] == Step.ALL:
                 continue
             if steps[k] == Step.K_NEAREST:
-                keep_k_nearest(places, int(given[i, k, 0]), mask[:found])
+                keep_k_nearest(places, int(given[i, k, 0]), mask[:found], squared[:found])
                 continue
             if steps[k] != Step.DISTANCE_BASED and not bearings_known:
                 for m in range(found):

@@ -101,6 +101,11 @@ class Fleet:
         """(N, 2) `desire` for all robots."""
         _desire_all(self._each, velocities_w)
 
+    def desire_limited(self, velocities_w: Floats) -> None:
+        """The same; the velocities (N, 2) are themselves limited to `MAX_SPEED`."""
+        _desire_all(self._each, velocities_w)
+        _desired(self._each, velocities_w)
+
     def push(self, data: mujoco.MjData, k: int, impulse_w: Sequence[float] | Floats) -> None:
         """Push robot k's body in its centre with an impulse (3,), N s in the world's axes, within the next step."""
         data.xfrc_applied[self.root_bodies[k], :3] = np.asarray(impulse_w) / self._all["timestep"][0]
@@ -137,6 +142,10 @@ class Fleet:
     def velocities(self, data: mujoco.MjData) -> Floats:
         """(N, 2) what others see of the robots' velocities, in the world frame: as last seen in flight, m/s."""
         return self._each["seen"].copy()
+
+    def look(self, data: mujoco.MjData, places_w: Floats, velocities_w: Floats, flying: Bools) -> None:
+        """Fills places_w (N, 2) of the hips, m, `velocities` (N, 2) and `flying` (N,): all at once, for each step."""
+        _look(self._each, data.qpos, places_w, velocities_w, flying)
 
     def actual_velocities(self, data: mujoco.MjData) -> Floats:
         """(N, 2) true velocities of the bodies now, in stance too, m/s."""
@@ -219,6 +228,21 @@ def _from_start(start: Floats, way: Floats) -> Floats:
 def _desire_all(each: Any, velocities_w: Floats) -> None:
     for k in range(len(each)):
         each[k].desired[0], each[k].desired[1] = controller.limited(velocities_w[k, 0], velocities_w[k, 1])
+
+
+@compiled
+def _desired(each: Any, velocities_w: Floats) -> None:
+    for k in range(len(each)):
+        velocities_w[k, 0], velocities_w[k, 1] = each[k].desired[0], each[k].desired[1]
+
+
+@compiled
+def _look(each: Any, qpos: Floats, places_w: Floats, velocities_w: Floats, flying: Bools) -> None:
+    for k in range(len(each)):
+        robot = each[k]
+        places_w[k, 0], places_w[k, 1] = qpos[robot.root], qpos[robot.root + 1]
+        velocities_w[k, 0], velocities_w[k, 1] = robot.seen[0], robot.seen[1]
+        flying[k] = robot.phase == stepping.FLIGHT
 
 
 @compiled

@@ -13,7 +13,7 @@ from flocking import lawentry
 from flocking.errors import InputError
 from flocking.herding import HerdMind, MovingHerd
 from flocking.herding.loop import no_touching
-from flocking.herding.sight import keep_k_nearest, smallest
+from flocking.herding.sight import bound_of, keep_k_nearest
 from flocking.kinematic import Band, LawFailedError, Schedule, simulate
 from flocking.kinematic.bands import Space
 from flocking.perception import keep_nearest
@@ -42,13 +42,18 @@ def draws(steps: int, count: int) -> Floats:
 
 
 class TestSight:
-    def test_the_kth_smallest_is_that_of_sorting(self) -> None:
+    def test_a_bound_holds_k_of_the_distances_unless_ties_leave_none(self) -> None:
         rng = np.random.default_rng(1)
-        for count in (1, 2, 3, 17, 104):
-            for _ in range(20):
-                values = rng.integers(0, count + 1, count).astype(np.float64)  # with ties
-                for k in {1, (count + 1) // 2, count}:
-                    assert smallest(values.copy(), count, k) == np.sort(values)[k - 1]
+        for count in (2, 3, 17, 104):
+            for trial in range(40):
+                values = (
+                    rng.uniform(0.0, 600.0, count) if trial % 2 else rng.integers(0, count + 1, count).astype(float)
+                )
+                values = np.append(values, math.inf)  # who is not looked at
+                for k in {1, (count + 1) // 2, count - 1}:
+                    bound = bound_of(values, count, k)
+                    kth, next_ = np.sort(values)[k - 1 : k + 1]
+                    assert kth <= bound < next_ if kth < next_ else math.isnan(bound)
 
     def test_the_nearest_are_those_that_looking_k_times_finds(self) -> None:
         rng = np.random.default_rng(2)
@@ -58,7 +63,7 @@ class TestSight:
                 seen = rng.random(count) < 0.8
                 expected, found = seen.copy(), seen.copy()
                 keep_nearest(places, k, expected)
-                keep_k_nearest(places, k, found)
+                keep_k_nearest(places, k, found, np.empty(count))
                 assert_array_equal(found, expected)
 
     def test_only_those_who_are_there_are_seen(self) -> None:

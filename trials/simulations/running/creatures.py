@@ -92,6 +92,7 @@ class Legged:
         self._places = self.model.jnt_qposadr[joints][:, None] + np.arange(2)
         self.data.qvel[self.model.jnt_dofadr[joints][:, None] + np.arange(2)] = mind.herd.desired
         mujoco.mj_forward(self.model, self.data)
+        self._flying: Bools = np.zeros(len(mind.there), np.bool_)
         self._noted_every = max(1, round(NOTED_EVERY_S / dt))
         self.fleet.desire_all(mind.herd.desired)
 
@@ -100,12 +101,9 @@ class Legged:
         mind, fleet, data, model = self.mind, self.fleet, self.data, self.model
         herd = mind.herd
         for step in range(first, first + len(draws)):
-            herd.positions[:] = data.qpos[self._places]
-            herd.actual[:] = fleet.velocities(data)
-            flying: Bools = fleet.flying
-            mind.decide(flying, draws[step - first], self.dt, step)
-            fleet.desire_all(herd.desired)
-            herd.desired[:] = fleet.desired
+            fleet.look(data, herd.positions, herd.actual, self._flying)
+            mind.decide(self._flying, draws[step - first], self.dt, step)
+            fleet.desire_limited(herd.desired)
             if self._pushed < len(self.pushes.steps):
                 self._push(step)
             fleet.before_step(data)
