@@ -174,6 +174,8 @@ class MovingHerd(HerdMind):
 
     HAVE_DYNAMICS = False
 
-    def advance(self, draws: Floats, step: int, dt: float, touching: Touching) -> None:
-        """Steps after the one of that number, from 0; `draws` (steps, N, DRAWS). Raises `LawFailedError`."""
-        self._run(partial(loop.advance, self.entry, self.herd, draws, step * dt, dt, touching, self.turn), step)
+    def advance(self, draws: Floats, step: int, dt: float, touching: Touching, noted_every: int = 1) -> None:
+        """Steps after so many, `draws` (steps, N, DRAWS); touches are noted after every so many. Raises
+        `LawFailedError`."""
+        run = partial(loop.advance, self.entry, self.herd, draws, step, noted_every, dt, touching, self.turn)
+        self._run(run, step)

@@ -68,8 +68,13 @@ class Herd(NamedTuple):
     that their mean over those it sees is that of the desired ones. What one is relative to another stays as it is."""
 
 
+RELEASE = 1.25
+"""Times the distance within which two touch, beyond which they no longer do: two that tremble about it touch once. A
+choice."""
+
+
 class Touching(NamedTuple):
-    """Pairs that are within a distance of each other, and a list of when that began."""
+    """Pairs that have come within a distance of each other and are not apart yet, and a list of when that began."""
 
     distance_m: float
     now: Bools
@@ -236,6 +241,7 @@ def decide_all(law: Callable[..., None], herd: Herd, who: Bools, draws: Floats, 
 def note_touches(herd: Herd, there: Bools, touching: Touching, time: float) -> None:
     """Notes which pairs of those who are `there` (N,) have come within the distance of each other."""
     positions, now, squared = herd.positions, touching.now, touching.distance_m * touching.distance_m
+    released = squared * RELEASE * RELEASE
     closest = touching.closest[0] * touching.closest[0]
     for i in range(len(positions)):
         if not there[i]:
@@ -258,7 +264,7 @@ def note_touches(herd: Herd, there: Bools, touching: Touching, time: float) -> N
                     touching.pairs[found, 0], touching.pairs[found, 1] = i, j
                     touching.places[found, 0], touching.places[found, 1] = x + 0.5 * dx, y + 0.5 * dy
                 touching.found[0] += 1
-            now[i, j] = near
+            now[i, j] = near or (now[i, j] and away < released)
     touching.closest[0] = math.sqrt(closest)
 
 
@@ -274,11 +280,13 @@ def touches(herd: Herd, there: Bools, touching: Touching, time: float) -> None:
     note_touches(herd, there, touching, time)
 
 
-@compiled_for(_I(_I, _HERD, _F[:, :, ::1], _F, _F, _TOUCHING, _I[::1]))
-def advance(law: int, herd: Herd, draws: Floats, time: float, dt: float, touching: Touching, turn: Ints) -> int:
-    """Steps of point masses from `time` on: all decide on the same state and then move by what they decided.
+@compiled_for(_I(_I, _HERD, _F[:, :, ::1], _I, _I, _F, _TOUCHING, _I[::1]))
+def advance(
+    law: int, herd: Herd, draws: Floats, before: int, noted_every: int, dt: float, touching: Touching, turn: Ints
+) -> int:
+    """Steps of point masses, after so many `before`: all decide on the same state and then move by what they decided.
 
-    `law` is the address of the law's entry.
+    `law` is the address of the law's entry. Touches are noted after every so many steps.
 
     `draws` (steps, N, DRAWS). Returns 0, or 1 if the law gave no valid motion; `turn` (2,): step and member at work.
     """
@@ -290,5 +298,7 @@ def advance(law: int, herd: Herd, draws: Floats, time: float, dt: float, touchin
         for i in range(len(herd.positions)):
             herd.positions[i, 0] += herd.desired[i, 0] * dt
             herd.positions[i, 1] += herd.desired[i, 1] * dt
-        note_touches(herd, everybody, touching, time + (step + 1) * dt)
+        done = before + step + 1
+        if done % noted_every == 0:
+            note_touches(herd, everybody, touching, done * dt)
     return 0

@@ -49,7 +49,10 @@ class TrialFields(NamedTuple):
         ),
     ] = 0.005
     refresh_steps: Annotated[
-        int, Parameter("steps", f"{SOURCE}, section 3: ten; from one look at who is visible to the next", True, low=1)
+        int,
+        Parameter(
+            "steps", f"{SOURCE}, section 3: ten, of point masses; robots alike is a choice. Between looks", low=1
+        ),
     ] = 10
     script: Annotated[
         str,
@@ -97,6 +100,12 @@ class FormationFields(NamedTuple):
     ] = 0.6
     jitter_m: Annotated[float, Parameter("m", "a choice: shifts are drawn within ± this in x and y", low=0.0)] = 0.2
     speed_m_s: Annotated[float, Parameter("m/s", f"{SOURCE}, section 5: along x", True, low=0.0)] = 2.0
+    breakaway: Annotated[
+        int, Parameter("creatures", "a choice: so many of the herd start in a group of their own behind it", low=0)
+    ] = 0
+    breakaway_m: Annotated[
+        float, Parameter("m", "a choice: gap between both groups along x", low=0.0, high=1e4, plausible=())
+    ] = 10.0
 
 
 class GroupFields(NamedTuple):

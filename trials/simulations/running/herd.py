@@ -40,14 +40,23 @@ def start_of(trial: Trial) -> Start:
     """The start of a trial's repeat."""
     group, given = fields.group_of(trial), fields.formation_of(trial)
     rng = stream(trial.seed, trial.repeat, 0, 0, Purpose.START)
-    k = np.arange(group.count)
-    along = given.spacing_m * math.sqrt(group.count / (math.pi * given.aspect))
-    radius, angle = np.sqrt((k + 0.5) / group.count), k * GOLDEN
-    places = along * np.column_stack([radius * np.cos(angle), given.aspect * radius * np.sin(angle)])
+    places = _ellipse(group.count - given.breakaway, given)
+    if given.breakaway:
+        behind = _ellipse(given.breakaway, given)
+        behind[:, 0] += places[:, 0].min() - behind[:, 0].max() - given.breakaway_m
+        places = np.vstack([places, behind])
     places += rng.uniform(-given.jitter_m, given.jitter_m, (group.count, 2))
     usual = dict(group.law_parameters)
     each = [spread.parameters(trial, 0, member, usual) if group.spread else usual for member in range(group.count)]
     return Start(places, np.tile([given.speed_m_s, 0.0], (group.count, 1)), each)
+
+
+def _ellipse(count: int, given: fields.FormationFields) -> Floats:
+    """(count, 2) places spread evenly over an ellipse about the origin, the first in the middle."""
+    k = np.arange(count)
+    along = given.spacing_m * math.sqrt(count / (math.pi * given.aspect))
+    radius, angle = np.sqrt((k + 0.5) / count), k * GOLDEN
+    return along * np.column_stack([radius * np.cos(angle), given.aspect * radius * np.sin(angle)])
 
 
 def check(trial: Trial) -> None:
@@ -55,7 +64,11 @@ def check(trial: Trial) -> None:
     given, group = fields.of_trial(trial), fields.group_of(trial)
     if trial.world_parameters:
         raise unknown_name("parameter", f"world.{next(iter(trial.world_parameters))}", [])
-    fields.formation_of(trial)
+    formation = fields.formation_of(trial)
+    if formation.breakaway >= group.count:
+        raise InputError(
+            f"formation.breakaway = {formation.breakaway}: expected fewer than {group.name}.count = {group.count}"
+        )
     own = fields.of_group(group)
     script.parse(given.script)
     if given.settle_s >= given.duration_s:

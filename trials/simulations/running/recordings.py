@@ -26,6 +26,7 @@ from trials.simulations import views
 from trials.simulations.columns import packed, series, times_column
 from trials.simulations.recording_file import opened
 from trials.simulations.running import fields
+from trials.simulations.running.measures import centres_of
 from trials.simulations.tracks import strips
 from trials.types import TrialResult
 
@@ -63,7 +64,7 @@ def write(result: TrialResult, path: Path) -> None:
             recording.send_columns("world/trails", [times_column(times[1:])], columns.partition(lengths))
         if fields.of_group(fields.group_of(result.trial)).body != fields.PARTICLES and len(sound) == len(result.times):
             _limbs(recording, result)
-        away = np.hypot(*np.moveaxis(places - places.mean(axis=1, keepdims=True), 2, 0))
+        away = np.hypot(*np.moveaxis(places - centres_of(result)[sound, None], 2, 0))
         series(recording, "measures/radius", "outer radius", 0x56B4E9FF, times, away.max(axis=1).astype(np.float64))
         series(recording, "measures/user", "the user's creature", USER, times, away[:, 0].astype(np.float64))
 

@@ -19,9 +19,15 @@ from trials.studies.robot_herds.design import (
     AHEAD,
     BODIES,
     BODY,
+    BREAKAWAY,
+    EASIER_M,
+    GAP,
+    HERD,
     PARTICLES,
     ROBOTS,
     SELECTION,
+    TESTS,
+    USUAL_M,
     VELOCITIES,
     VISIBLE,
 )
@@ -29,21 +35,24 @@ from trials.studies.robot_herds.design import (
 SOURCE, TABLE = "hodgins1994", "tests"
 ALL, HIDDEN, REAR = "all", "unoccluded(0.23)", "angle(120)"
 """Selections: everybody, those whose centre no nearer creature's disc hides, those less than so many degrees off."""
-CREATURES = 105
-FEW_A_MINUTE = 0.1 * CREATURES
+FEW_A_MINUTE = 0.1 * HERD["individuals"]
 """Collisions: one creature in ten, once a minute, is few."""
 MOST = 0.5
 """Share of the trials that is most of them."""
 ROUND = 0.85
 """Narrowest over longest extent of what is nearly a circle."""
-CLOSER = 1.1
-"""Ratio of distances that counts."""
+CLOSER = 1.25
+"""Ratio of distances that is much."""
 AHEAD_M = 0.1
-QUICK_S, SLOWER_S, TEST_S = 15.0, 1.0, 40.0
+APPROXIMATELY = 0.7
+"""Narrowest over longest extent of what is approximately a circle."""
+QUICK_S, SLOWER_S, TEST_S = TESTS["obstacle"]["seconds"], 1.0, 40.0
 """s: of the publication's test, in which point masses rejoined; that counts; until which we watch."""
+FEWER = 5.0
+"""Creatures that touch the obstacle: so many more count."""
 STABLER = 1.1
 """Ratio of velocities' deviations that counts."""
-ALIKE = math.log(2.0)
+ALIKE = math.log(STABLER)
 ASTRAY = 0.2
 """Of the speed that is told."""
 
@@ -92,7 +101,10 @@ def _circle(cells: Cells) -> list[Outcome]:
 
 def acceleration_claims(run: Run) -> list[Entry]:
     """Upright, and ahead of the herd while that accelerates."""
-    test = f"ahead of the centre at 3 m/s by more than {AHEAD_M:g} m beyond what it is at 2 and at 1.5 m/s"
+    test = (
+        "one herd in most trials; in the first third of 3 m/s ahead of the centre by "
+        f"{AHEAD_M:g} m more than in those of 2 and 1.5 m/s"
+    )
     return answers(
         run,
         (BODY,),
@@ -103,7 +115,12 @@ def acceleration_claims(run: Run) -> list[Entry]:
 def _ahead(cells: Cells) -> list[Outcome]:
     one, two, three = (cells.array(f"ahead_{leg}", ROBOTS) for leg in (1, 2, 3))
     points = cells.array("ahead_2", PARTICLES) - cells.array("ahead_1", PARTICLES)
+    one_herd = {body: (cells.array("breakaways", body) == 0).astype(float) for body in BODIES}
     return [
+        *(
+            above(f"share of the trials in which no group breaks away, {body}", each, MOST, 0.1, bounds=(0.0, 1.0))
+            for body, each in one_herd.items()
+        ),
         more("m further ahead at 3 than at 2 m/s", two - one, AHEAD_M),
         more("m further ahead at 3 than at 1.5 m/s", two - three, AHEAD_M),
         more("m further ahead at 3 than at 2 m/s, point masses", points, AHEAD_M, decides=False),
@@ -113,6 +130,8 @@ def _ahead(cells: Cells) -> list[Outcome]:
 def zigzag_claims(run: Run) -> list[Entry]:
     """Upright, collisions, and how closely the herds track their user's creature."""
     collide = "most trials of the point masses without a collision, more than one on average with robots"
+    circle = f"narrowest over longest extent over the last tenth above {APPROXIMATELY:g}, both herds"
+    restless = f"paired ratios of the deviation of velocities above {STABLER:g}"
     track = f"paired ratios of the distance between the user's creature and the herd's centre above {CLOSER:g}"
     return answers(
         run,
@@ -121,6 +140,8 @@ def zigzag_claims(run: Run) -> list[Entry]:
             _first(cells, "zigzag"),
             _claim(2, "collisions", collide, partial(_collide, cells)),
             _claim(3, "zigzag", track, partial(_track, cells)),
+            _claim(12, "zigzag", circle, partial(_round, cells)),
+            _claim(13, "zigzag", restless, partial(_restless, cells)),
         ],
     )
 
@@ -135,10 +156,26 @@ def _collide(cells: Cells) -> list[Outcome]:
 
 def _track(cells: Cells) -> list[Outcome]:
     course = cells.log_ratio("off_course", (ROBOTS,), (PARTICLES,))
+    lags = [cells.array("lag_s", body) for body in (ROBOTS, PARTICLES)]
+    both = min(map(len, lags))
     return [
         ratio("distance, robots over point masses", cells.log_ratio("user_away", (ROBOTS,), (PARTICLES,)), CLOSER),
         ratio("the same of the centre from the course that is told", course, CLOSER, decides=False),
+        more("s by which the herd of robots follows later", lags[0][:both] - lags[1][:both], 0.5, decides=False),
     ]
+
+
+def _round(cells: Cells) -> list[Outcome]:
+    shape = {"bounds": (0.0, 1.0)}
+    return [
+        above(f"narrowest over longest, {body}", cells.array("aspect_end", body), APPROXIMATELY, 0.05, **shape)  # type: ignore[arg-type]
+        for body in BODIES
+    ]
+
+
+def _restless(cells: Cells) -> list[Outcome]:
+    logs = cells.log_ratio("unrest", (ROBOTS,), (PARTICLES,))
+    return [ratio("deviation of velocities, robots over point masses", logs, STABLER)]
 
 
 def obstacle_claims(run: Run) -> list[Entry]:
@@ -151,12 +188,16 @@ def _of_obstacle(cells: Cells) -> list[Question]:
         f"point masses one group again within {QUICK_S:g} s and their first misses it, the robots' first hits it, in "
         f"most trials; robots slower by more than {SLOWER_S:g} s"
     )
+    alike = f"robots rejoin within {SLOWER_S:g} s of point masses, and {FEWER:g} creatures more touch it at most"
     levels = sorted({cell[0] for cell in cells.planned() if cell[0] is not None}, reverse=True)
     asked = []
-    for ahead in levels or [math.nan]:
+    for ahead in levels or [USUAL_M]:
         words = f"obstacle {ahead:g} m ahead"
         asked.append(_first(cells, words, ahead))
-        asked.append(_claim(5, words, test, partial(_rejoin, cells, ahead)))
+        if ahead < EASIER_M:
+            asked.append(_claim(5, words, test, partial(_rejoin, cells, ahead)))
+        else:
+            asked.append(_claim(11, words, alike, partial(_alike, cells, ahead)))
     return asked
 
 
@@ -175,9 +216,45 @@ def _rejoin(cells: Cells, ahead: float) -> list[Outcome]:
 
 
 def _until_one(cells: Cells, ahead: float, body: str) -> Floats:
-    """(n,) s until the herd is one group for good; who never rejoins is watched until the test's end."""
-    found, apart = cells.array("regroup_s", ahead, body), cells.array("breakaways", ahead, body)
-    return np.where(apart > 0.0, TEST_S, found)
+    """(n,) s until both sides are together for good; who never rejoins is watched until the test's end."""
+    found = cells.array("rejoin_s", ahead, body)
+    return np.where(np.isnan(found), TEST_S, found)
+
+
+def _alike(cells: Cells, ahead: float) -> list[Outcome]:
+    times = [_until_one(cells, ahead, body) for body in (ROBOTS, PARTICLES)]
+    hits = [cells.array("obstacle_hits", ahead, body) for body in (ROBOTS, PARTICLES)]
+    both = min(map(len, [*times, *hits]))
+    return [
+        same("s later that robots rejoin", times[0][:both] - times[1][:both], SLOWER_S),
+        same("creatures that touch the obstacle, robots less point masses", hits[0][:both] - hits[1][:both], FEWER),
+    ]
+
+
+def breakaway_claims(run: Run) -> list[Entry]:
+    """Who rejoins, by the size of the group and by its gap."""
+    visible = HERD["visible_n"]
+    test = (
+        f"groups of {visible} and fewer within {HERD['visible_radius_m']:g} m rejoin in most trials; larger ones, and "
+        "those beyond, in few"
+    )
+    return answers(
+        run,
+        (BREAKAWAY, GAP, BODY),
+        lambda cells: [_claim(14, "groups behind", test, partial(_rejoins, cells, visible))],
+    )
+
+
+def _rejoins(cells: Cells, visible: int) -> list[Outcome]:
+    found = []
+    for size, gap, body in sorted(cells.planned()):
+        rejoined = (cells.array("breakaways", size, gap, body) == 0).astype(float)
+        words = f"share that rejoins: {size:g} creatures, {gap:g} m behind, {body}"
+        if size <= visible and gap < HERD["visible_radius_m"]:
+            found.append(above(words, rejoined, MOST, 0.1, bounds=(0.0, 1.0)))
+        else:
+            found.append(above(f"{words} (less 1)", 1.0 - rejoined, MOST, 0.1, bounds=(0.0, 1.0)))
+    return found
 
 
 def visible_claims(run: Run) -> list[Entry]:
@@ -212,7 +289,7 @@ def perception_claims(run: Run) -> list[Entry]:
             _claim(
                 8,
                 "creatures as discs of 0.23 m",
-                f"deviation of velocities grows by more than {STABLER:g} times, that of robots at most twofold",
+                f"deviation of velocities grows by more than {STABLER:g} times, that of robots by less",
                 partial(_hidden, cells),
             ),
             _claim(9, "120 degrees to either side", "speed above that told, of both herds", partial(_rear, cells)),

@@ -14,6 +14,10 @@ BODY, VISIBLE, SELECTION, VELOCITIES = "herd.body", "herd.law.visible", "herd.se
 AHEAD = "obstacle_ahead_m"
 PARTICLES, ROBOTS = BODIES = ("particles", "one-legged")
 TESTS = published(__package__, "hodgins1994", "tests")
+HERD = published(__package__, "hodgins1994", "herd")
+BREAKAWAY, GAP = "formation.breakaway", "formation.breakaway_m"
+USUAL_M, EASIER_M, HARDER_M = 20.0, 28.0, 13.0
+"""How far ahead the obstacle is. Choices."""
 SOURCES: Mapping[str, Parameter] = {
     "herd.law.visible": Parameter("", f"{SOURCE}, section 3.1: n", published=True),
     "formation.speed_m_s": Parameter("m/s", f"{SOURCE}, section 5", published=True),
@@ -48,8 +52,9 @@ def running(
 
 
 def accelerating() -> tuple[float, list[tuple[float, float, float]]]:
-    """Seconds and velocities of the second test."""
-    each, speeds = TESTS["acceleration"]["seconds_each"], TESTS["acceleration"]["speeds_m_s"]
+    """Seconds and velocities of the second test; before it the speed of the first is kept for as long, as a choice."""
+    each = TESTS["acceleration"]["seconds_each"]
+    speeds = [TESTS["steady_state"]["speed_m_s"], *TESTS["acceleration"]["speeds_m_s"]]
     return each * len(speeds), [(each * number, speed, 0.0) for number, speed in enumerate(speeds)]
 
 

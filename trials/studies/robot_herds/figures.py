@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from flocking.errors import InputError
 from flocking.types import Floats
 from trials.evidence.runs import Run
 from trials.evidence.statistics import mean_interval
@@ -16,7 +18,8 @@ from trials.reports.arms import by_arm
 from trials.reports.figures import Canvas, Figure, Place
 from trials.reports.ways import curve_of, curves, first_result
 from trials.simulations.running import fields, script
-from trials.studies.robot_herds.design import AHEAD, BODIES, BODY, SELECTION, VELOCITIES, VISIBLE
+from trials.simulations.running.measures import centres_of
+from trials.studies.robot_herds.design import AHEAD, BODIES, BODY, BREAKAWAY, GAP, SELECTION, VELOCITIES, VISIBLE
 from trials.types import TrialResult
 
 HERD, USER, FALLEN = "#333333", "#d62728", "#999999"
@@ -53,7 +56,7 @@ def _steady(run: Run, place: Place) -> list[Figure]:
                 draw.absent(axis)
                 continue
             t = int(np.abs(result.times - number * EVERY_S).argmin())
-            _herd(axis, result, t, result.poses_w[t, :, :2].mean(axis=0))
+            _herd(axis, result, t, centres_of(result)[t])
     caption = "Places from the herd's centre (m), one trial of each; red: the user's creature. As figure 5."
     return [draw.save(canvas, place, "herds", "The herds every 100 s", caption, dots=True)]
 
@@ -65,7 +68,9 @@ def acceleration_figures(run: Run, folder: Path) -> list[Figure]:
 
 def zigzag_figures(run: Run, folder: Path) -> list[Figure]:
     """Figure 7: the same of the zigzag."""
-    return by_arm(run, folder, (BODY,), lambda part, place: [_course(part, place, "as figure 7", 4.0)])
+    return by_arm(
+        run, folder, (BODY,), lambda part, place: [_course(part, place, "as figure 7", 4.0), _collided(part, place)]
+    )
 
 
 def _course(run: Run, place: Place, words: str, height: float) -> Figure:
@@ -81,7 +86,7 @@ def _course(run: Run, place: Place, words: str, height: float) -> Figure:
         given = fields.of_trial(result.trial)
         changes = [given.settle_s + leg.from_s for leg in script.parse(given.script)]
         first = int(np.abs(result.times - given.settle_s).argmin())
-        origin = result.poses_w[first, :, :2].mean(axis=0)
+        origin = centres_of(result)[first]
         axis.plot(*(result.poses_w[first:, 0, :2] - origin).T, color=USER, lw=0.7, zorder=1)
         for time in (*changes, result.times[-1]):
             _herd(axis, result, int(np.abs(result.times - time).argmin()), origin)
@@ -92,6 +97,48 @@ def _course(run: Run, place: Place, words: str, height: float) -> Figure:
         f"{words}."
     )
     return draw.save(canvas, place, "course", "The herds on their course", caption, dots=True)
+
+
+def _collided(run: Run, place: Place) -> Figure:
+    """How many collisions there have been, over the time of the test."""
+    canvas, (axis,) = draw.grid(1, 1, width=6.4, height=3.0)
+    done = {row.index for row in run.rows() if row.status == "done"}
+    for rank, body in enumerate(BODIES):
+        own = [t for t in run.trials if t.index in done and t.conditions.get(BODY) == body]
+        times: list[Floats] = []
+        for trial in own:
+            with suppress(InputError):  # its file is lost
+                times.append(run.series(trial.index).contacts.times - fields.of_trial(trial).settle_s)
+        if times:
+            at = np.sort(np.concatenate(times))
+            label = f"{body}, mean of {len(times)} trials"
+            end = fields.of_trial(own[0]).duration_s - fields.of_trial(own[0]).settle_s
+            counts = np.arange(1, len(at) + 1) / len(times)
+            axis.step([0.0, *at, end], [0.0, *counts, *counts[-1:], *[0.0] * (not len(at))], where="post",
+                      color=draw.SERIES_COLOURS[rank], lw=0.9, label=label)  # fmt: skip
+    axis.set_xlabel("time of the test (s)")
+    axis.set_ylabel("collisions so far")
+    axis.legend(frameon=False)
+    caption = "Collisions at the trial's `collision_m`, counted from the test's begin, a trial on average."
+    return draw.save(canvas, place, "collided", "Collisions over time", caption)
+
+
+def breakaway_figures(run: Run, folder: Path) -> list[Figure]:
+    """How large the largest group is at the end, by how many start apart."""
+    return by_arm(run, folder, (BREAKAWAY, GAP, BODY), _breakaway)
+
+
+def _breakaway(run: Run, place: Place) -> list[Figure]:
+    gaps = sorted({trial.conditions[GAP] for trial in run.trials if GAP in trial.conditions})
+    panels = {
+        f"{body}": [
+            curve_of(run, "largest_share_end", BREAKAWAY, f"gap of {gap:g} m", {BODY: body, GAP: gap}) for gap in gaps
+        ]
+        for body in BODIES
+    }
+    caption = "Share of the herd in its largest group after a minute; means over the trials with 95 % intervals."
+    drawn = curves(panels, "creatures that start behind", bounds=(0.0, 1.05))
+    return [draw.save(drawn, place, "breakaway", "Who rejoins", caption)]
 
 
 def obstacle_figures(run: Run, folder: Path) -> list[Figure]:
@@ -233,7 +280,7 @@ def _speeds(run: Run, cells: Sequence[dict[str, Any]]) -> Canvas:
             if result is None:
                 continue
             lag = max(1, int(np.searchsorted(result.times, 2.0)))
-            centre = result.poses_w[:, :, :2].mean(axis=1)
+            centre = centres_of(result)
             if len(centre) <= lag:
                 continue
             speeds = np.hypot(*(centre[lag:] - centre[:-lag]).T) / (result.times[lag:] - result.times[:-lag])

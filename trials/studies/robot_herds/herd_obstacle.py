@@ -14,10 +14,9 @@ from trials.types import Trial
 
 REPEATS = 10
 RECORD = "none"
-USUAL_M, EASIER_M, HARDER_M = 20.0, 28.0, 13.0
-CONDITIONS = {design.AHEAD: (USUAL_M, EASIER_M, HARDER_M), design.BODY: design.BODIES}
+CONDITIONS = {design.AHEAD: (design.USUAL_M, design.EASIER_M, design.HARDER_M), design.BODY: design.BODIES}
 SOURCES = design.SOURCES
-KEY_MEASURES = ("upright", "collisions", "obstacle_hits", "first_hits", "regroup_s", "breakaways")
+KEY_MEASURES = ("upright", "collisions", "obstacle_hits", "first_hits", "parted_m", "rejoin_s", "breakaways")
 
 
 def base(repeat: int) -> Trial:

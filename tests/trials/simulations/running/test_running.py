@@ -127,7 +127,8 @@ class TestMeasures:
         found = measure(made_up(places, script="0: 2, 0; 10: 2, 0"), 0, 1.0)
         assert found["ahead_1"] == pytest.approx(1.0)
         # 3 m further ahead of a centre that lies a quarter of that further ahead too
-        assert found["ahead_2"] == pytest.approx(1.0 + 0.75 * 3.0)
+        # of the seven moments of the leg's first third the first is that of the change
+        assert found["ahead_2"] == pytest.approx(1.0 + 6.0 / 7.0 * 0.75 * 3.0)
         assert math.isnan(found["ahead_3"])
 
     def test_a_herd_that_splits_for_a_while_regroups(self) -> None:
@@ -139,12 +140,57 @@ class TestMeasures:
         assert found["breakaways"] == 0.0
 
     def test_a_group_that_breaks_away_for_good_is_counted(self) -> None:
-        places = straight(SQUARE, [2.0, 0.0])
-        places[10:, :2, 0] += 10.0
+        starts = [[0.0, 0.0], *([x, y] for x in (1.0, 2.0, 3.0) for y in (-1.0, 0.0, 1.0))]
+        places = straight(starts, [2.0, 0.0])
+        places[10:, 7:, 0] += 10.0
         found = measure(made_up(places), 0, 1.0)
-        assert found["breakaways"] == 1.0
+        assert (found["breakaways"], found["strays"], found["user_lost"]) == (1.0, 0.0, 0.0)
         assert math.isnan(found["regroup_s"])
-        assert found["largest_share_end"] == 0.5
+        assert found["largest_share_end"] == pytest.approx(6.0 / 9.0)
+
+    def test_one_that_strays_and_a_user_that_is_lost_are_no_groups(self) -> None:
+        starts = [[0.0, 0.0], *([x, y] for x in (1.0, 2.0, 3.0) for y in (-1.0, 0.0, 1.0))]
+        places = straight(starts, [2.0, 0.0])
+        places[10:, 9, 0] += 10.0
+        places[10:, 0, 0] -= 20.0
+        found = measure(made_up(places), 0, 1.0)
+        assert (found["groups_end"], found["breakaways"], found["strays"], found["user_lost"]) == (2.0, 0.0, 1.0, 1.0)
+
+    def test_a_herd_that_passes_the_obstacle_on_both_sides_is_parted_until_it_closes(self) -> None:
+        starts = [[0.0, 0.2], [0.0, 0.4], [0.0, -0.4], [0.0, -0.2]]
+        places = straight(starts, [2.0, 0.0])
+        places[:, :, 1] *= np.where((places[:, :1, 0] > 6.0) & (places[:, :1, 0] < 14.0), 12.0, 1.0)
+        found = measure(made_up(places, obstacle_radius_m=2.0), 0, 1.0)
+        assert found["parted_m"] == pytest.approx(12.0 * (0.4 + 0.2))  # of those who follow
+        assert found["rejoin_s"] == pytest.approx(3.5)  # from 7 m to 14 m, a moment each half second
+        assert found["obstacle_hits"] == 0.0
+
+    def test_the_lag_is_the_delay_with_which_the_herd_does_as_told(self) -> None:
+        at = 0.5 * np.arange(81)
+        late = np.clip(at - 10.0 - 3.0, 0.0, None)  # the turn is told at 10 s and done at 13 s
+        centre = np.column_stack([2.0 * at - 2.0 * late, 2.0 * late])
+        places = centre[:, None] + np.array(SQUARE)[None]
+        found = measure(made_up(places, script="0: 2, 0; 10: 0, 2"), 0, 1.0)
+        assert found["lag_s"] == pytest.approx(3.0, abs=0.25)  # a moment each half second
+        assert math.isnan(measure(made_up(places), 0, 1.0)["lag_s"])
+
+    def test_a_gait_is_no_unrest_and_a_creature_that_drifts_is(self) -> None:
+        at = 0.1 * np.arange(401)
+        swing = 0.05 * np.sin(2.0 * np.pi * at / 0.5)[:, None] * np.array([1.0, -1.0, 1.0, -1.0])
+        places = straight(SQUARE, [2.0, 0.0], 401, 0.1)
+        places[:, :, 0] += swing
+        assert measure(made_up(places, 0.1), 0, 1.0)["unrest"] < 0.001
+        places[:, 0, 1] += 0.1 * at
+        # one of four goes 0.1 m/s aside: 0.075 from the mean, and three 0.025
+        expected = math.sqrt((0.075**2 + 3 * 0.025**2) / 4)
+        assert measure(made_up(places, 0.1), 0, 1.0)["unrest"] == pytest.approx(expected, rel=0.02)
+
+    def test_a_user_that_fell_counts_no_more(self) -> None:
+        places = straight(SQUARE, [2.0, 0.0])
+        places[20:, 0] = places[20, 0]
+        found = measure(made_up(places, fallen={0: 9.9}), 0, 1.0)
+        assert found["user_away"] == pytest.approx(math.sqrt(2.0), abs=0.2)
+        assert math.isnan(found["user_lost"])
 
     def test_who_fell_counts_as_fallen_and_no_more(self) -> None:
         places = straight(SQUARE, [2.0, 0.0])
@@ -156,8 +202,10 @@ class TestMeasures:
     def test_who_runs_through_the_obstacle_hits_it_between_two_moments_too(self) -> None:
         starts = [[0.0, 0.5], [-1.0, 2.1], [-2.0, 1.9], [-3.0, -5.0]]
         places = straight(starts, [8.0, 0.0])  # 4 m from moment to moment
-        found = measure(made_up(places, obstacle_radius_m=2.0), 0, 1.0)
+        found = measure(made_up(places, obstacle_radius_m=2.0, collision_m=0.0), 0, 1.0)
         assert found["obstacle_hits"] == 2.0
+        wide = measure(made_up(places, obstacle_radius_m=2.0, collision_m=0.3), 0, 1.0)
+        assert wide["obstacle_hits"] == 3.0  # bodies touch it whose middle passes 0.1 m beside
         assert found["first_hits"] == 1.0
 
 

@@ -2,15 +2,28 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
 import pytest
 
+from flocking.laws import hodgins_brogan as law
 from tests.trials.studies.judged import verdicts
 from trials import design
 from trials.simulations.running import fields, script
-from trials.studies.robot_herds.design import BODY, SELECTION, VELOCITIES, VISIBLE
+from trials.studies.robot_herds.design import (
+    AHEAD,
+    BODY,
+    BREAKAWAY,
+    EASIER_M,
+    GAP,
+    HERD,
+    SELECTION,
+    TESTS,
+    VELOCITIES,
+    VISIBLE,
+)
 
 WELL = {"falls": 0.0, "collisions_a_minute": 1.0}
 BADLY = {"falls": 10.0, "collisions_a_minute": 30.0}
@@ -30,41 +43,52 @@ def test_steady_state() -> None:
 
 
 def test_acceleration() -> None:
-    ahead = {"ahead_1": 0.5, "ahead_2": 3.0, "ahead_3": 0.2}
+    ahead = {"ahead_1": 0.0, "ahead_2": 0.3, "ahead_3": -0.3, "breakaways": 0.0}
     assert verdicts("herd-acceleration", lambda _: {**WELL, **ahead}) == [True, True]
-    behind = {"ahead_1": 0.5, "ahead_2": 0.4, "ahead_3": 0.2}
+    behind = {**ahead, "ahead_2": 0.0, "ahead_3": 0.0}
     assert verdicts("herd-acceleration", lambda _: {**WELL, **behind}) == [True, False]
+    assert verdicts("herd-acceleration", lambda _: {**WELL, **ahead, "breakaways": 1.0}) == [True, False]
 
 
 def test_zigzag() -> None:
     def published(conditions: Mapping[str, Any]) -> Mapping[str, float]:
+        own = robots(conditions)
         return {
             **WELL,
-            "collisions": 8.0 * robots(conditions),
-            "user_away": 2.0 if robots(conditions) else 1.0,
+            "collisions": 8.0 * own,
+            "user_away": 2.0 if own else 1.0,
             "off_course": 1.0,
+            "lag_s": 2.0 * own,
+            "aspect_end": 0.9,
+            "unrest": 0.04 if own else 0.02,
         }
 
-    assert verdicts("herd-zigzag", published) == [True] * 3
-    assert verdicts("herd-zigzag", lambda _: {**WELL, "collisions": 0.0, "user_away": 1.0, "off_course": 1.0}) == [
-        True,
-        False,
-        False,
-    ]
+    assert verdicts("herd-zigzag", published) == [True] * 5
+    alike = {"collisions": 0.0, "user_away": 1.0, "off_course": 1.0, "lag_s": 0.0, "aspect_end": 0.5, "unrest": 0.02}
+    assert verdicts("herd-zigzag", lambda _: {**WELL, **alike}) == [True, False, False, False, False]
 
 
 def test_obstacle() -> None:
     def published(conditions: Mapping[str, Any]) -> Mapping[str, float]:
-        own = robots(conditions)
-        return {**WELL, "regroup_s": 12.0 if own else 4.0, "breakaways": 0.0, "first_hits": float(own)}
+        own = robots(conditions) and conditions[AHEAD] < EASIER_M
+        return {**WELL, "rejoin_s": 12.0 if own else 4.0, "first_hits": float(own), "obstacle_hits": 3.0}
 
     assert verdicts("herd-obstacle", published) == [True] * 6
 
     def reversed_(conditions: Mapping[str, Any]) -> Mapping[str, float]:
         own = robots(conditions)
-        return {**WELL, "regroup_s": 4.0, "breakaways": 0.0 if own else 1.0, "first_hits": 0.0}
+        return {**WELL, "rejoin_s": 4.0 if own else math.nan, "first_hits": 0.0, "obstacle_hits": 3.0 + 20.0 * own}
 
     assert verdicts("herd-obstacle", reversed_) == [True, False] * 3
+
+
+def test_breakaway() -> None:
+    def published(conditions: Mapping[str, Any]) -> Mapping[str, float]:
+        return {"breakaways": float(conditions[BREAKAWAY] > 30 or conditions[GAP] > 24.0)}
+
+    assert verdicts("herd-breakaway", published) == [True]
+    assert verdicts("herd-breakaway", lambda _: {"breakaways": 0.0}) == [False]
+    assert verdicts("herd-breakaway", lambda _: {"breakaways": 1.0}) == [False]
 
 
 def test_visible() -> None:
@@ -84,6 +108,20 @@ def test_perception() -> None:
 
     assert verdicts("herd-perception", published) == [True] * 3
     assert verdicts("herd-perception", lambda _: {"unrest": 0.1, "speed_ratio": 1.0}) == [False] * 3
+
+    def both_suffer(conditions: Mapping[str, Any]) -> Mapping[str, float]:
+        hidden = conditions[SELECTION].startswith("unoccluded")
+        return {**published(conditions), "unrest": (0.4 if not robots(conditions) else 0.18) if hidden else 0.1}
+
+    assert verdicts("herd-perception", both_suffer) == [True, False, True]
+
+
+def test_the_law_has_the_published_numbers() -> None:
+    given = law.Parameters()
+    told = HERD["visible_n"], HERD["visible_radius_m"], HERD["desired_distance_m"], HERD["kp"], HERD["kv"]
+    assert (given.visible, given.range_m, given.spacing_m, given.kp_per_s, given.kv) == told
+    assert given.aim_radii == TESTS["obstacle"]["aim_at_radii"]
+    assert fields.GroupFields().count == HERD["individuals"]
 
 
 @pytest.mark.parametrize(
