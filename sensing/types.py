@@ -84,6 +84,8 @@ class WorldTruth(NamedTuple):
     """(W, 4) segments x0, y0, x1, y1, which occlude."""
     marked: Bools | None = None
     """(N,) which robots can be told as members; None = all. The others look like parts of walls."""
+    desired_w: Floats | None = None
+    """(N, 2) how each robot would like to move, m/s; None where nobody is told."""
 
 
 class Senses(NamedTuple):

@@ -17,7 +17,7 @@ from robots import body as bodies
 from sensing.camera import looking, palette, setting
 from sensing.laser import hokuyo
 from trials.simulations import judged, spread
-from trials.simulations.robots import guided, information, wire
+from trials.simulations.robots import desires, guided, information, wire
 from trials.simulations.robots.fields import (
     TOGETHER,
     GroupFields,
@@ -61,6 +61,7 @@ def check(trial: Trial) -> None:
         _check_sensors(its, groups)
         _check_colours(its, sum(each.given.count for each in groups))
         _check_link(its)
+        _check_velocities(its)
         information.check(its)
         spread.check(trial, number, its.law_parameters._asdict())
     environment_of(trial)
@@ -142,6 +143,15 @@ def _check_link(its: Resolved) -> None:
         raise InputError(
             f"{name}.link_address = {given.link_address!r} is not loopback: other machines reach it; expected "
             f"127.0.0.1 or ::1, or else --set {name}.link_beyond_loopback=true"
+        )
+
+
+def _check_velocities(its: Resolved) -> None:
+    """Desired velocities are known to perfect detection alone."""
+    if its.given.velocities == desires.DESIRED and "truth" not in its.pipeline_reads:
+        raise InputError(
+            f"{its.group.name}.velocities = {desires.DESIRED!r} with pipeline {its.group.pipeline!r}: no sensor shows "
+            f"them; expected pipeline 'perfect', or {desires.ACTUAL!r}"
         )
 
 

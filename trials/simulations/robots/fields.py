@@ -12,7 +12,7 @@ from robots import body as bodies
 from sensing.laser import hokuyo
 from trials.rows import below
 from trials.simulations import judged
-from trials.simulations.robots import guided, wire
+from trials.simulations.robots import desires, guided, wire
 from trials.simulations.robots.knowledge import SOURCES
 from trials.types import Group, Trial, Value
 from worlds import formations, known
@@ -199,6 +199,14 @@ class GroupFields(NamedTuple):
         str,
         Parameter("", "Fine 2015, section 3.6.3; at work where the law needs it", choices=ASSOCIATIONS),
     ] = TWO_SCANS
+    velocities: Annotated[
+        str,
+        Parameter(
+            "",
+            "a choice: what perfect detection tells of neighbours (Hodgins and Brogan 1994, section 3.2, has desired)",
+            choices=desires.VELOCITIES,
+        ),
+    ] = desires.ACTUAL
     obstacles: Annotated[
         str,
         Parameter(

@@ -24,7 +24,7 @@ from sensing.laser import hokuyo
 from sensing.sonar import Sonars
 from sensing.types import Echoes, PipelineState, WorldTruth
 from trials.simulations import spread
-from trials.simulations.robots import guided, link, wire
+from trials.simulations.robots import desires, guided, link, wire
 from trials.simulations.robots.checks import check, check_start, clock
 from trials.simulations.robots.fields import of_trial
 from trials.simulations.robots.knowledge import Knowledge
@@ -55,6 +55,8 @@ class Herd:
     timestep: float
     needs_truth: frozenset[int]
     """Robots whose pipeline reads global knowledge."""
+    desired_w: Floats
+    """(N, 2) how each robot would like to move by what it decided last, m/s."""
     scenario: Guided | None = None
     """What happens besides."""
 
@@ -75,6 +77,7 @@ class Herd:
             k,
             self.world.standing_w,
             self.marked,
+            self.desired_w,
         )
 
 
@@ -125,6 +128,7 @@ def assemble(trial: Trial, record: bool) -> Herd:
         marked=np.array([body.marked for body in world.bodies]),
         timestep=timestep,
         needs_truth=frozenset(i for i, r in enumerate(reads) if "truth" in r),
+        desired_w=np.array([desires.turned(np.array([r.command[0], 0.0]), poses_w[r.index, 2]) for r in robots]),
         scenario=Guided(trial, world, tell) if guided.has_task(trial) else None,
     )
 
@@ -203,6 +207,7 @@ def _robot(
         imperfections=its.imperfections,
         image_rng=draw(Purpose.IMAGES),
         needs=("velocities" in wanted.of_each, "headings" in wanted.of_each),
+        told_desired=given.velocities == desires.DESIRED,
         knowledge=Knowledge(
             world.fleet,
             index,

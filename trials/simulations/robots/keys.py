@@ -15,7 +15,7 @@ from sensing.camera import imperfections, setting
 from sensing.laser import hokuyo
 from trials.rows import Section, below, section
 from trials.simulations import judged, spread
-from trials.simulations.robots import fields, guided, wire
+from trials.simulations.robots import desires, fields, guided, wire
 from trials.simulations.robots.resolved import Resolved
 from trials.types import Group, Trial, with_setup
 from worlds import formations
@@ -74,11 +74,14 @@ def _judged(trial: Trial) -> list[Section]:
 
 
 def _of_group(its: Resolved) -> dict[str, Any]:
-    """The values of a group; the files of its body only where it is a user's own, and of its link where it has one."""
+    """The values of a group; the files of its body only where it is a user's own, of its link where it has one, which
+    velocities it is told of where that is not as usual."""
     values = its.given._asdict()
     hidden = set() if values["body_files"] else {"body_files"}
     if values["link"] == wire.IN_PROCESS:
         hidden |= {"link_address", "link_beyond_loopback"}
+    if values["velocities"] == desires.ACTUAL:
+        hidden |= {"velocities"}
     return {key: value for key, value in values.items() if key not in hidden}
 
 

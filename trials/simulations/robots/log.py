@@ -10,6 +10,7 @@ import numpy as np
 
 from flocking.types import Bools, Floats, Motion, Obstacles
 from sensing.types import Detection, Echoes, Scan
+from trials.simulations.robots.measures_velocities import Told
 from trials.simulations.robots.pictures import Kept
 from trials.spool import Column, Rows
 from trials.types import Contacts, Heard, Scans, Trial, TrialResult, Updates
@@ -47,6 +48,9 @@ class Log:
     scans: list[tuple[float, ...]] = field(default_factory=list)
     pictures: Kept = field(default_factory=Kept)
     heard: list[tuple[float, int, Floats, Floats, Floats, Floats]] = field(default_factory=list)
+    _told: list[Floats] = field(default_factory=list)
+    _inputs_told: int = 0
+    _inputs_dropped: int = 0
     _columns: dict[str, Column] = field(default_factory=dict)
     _angles: Floats | None = None
     _ranges: Rows | None = None
@@ -93,6 +97,22 @@ class Log:
         self.states.append(states)
         if len(self.updates) == PACKED_AT:
             self._pack_updates()
+
+    def told(self, told_w: Floats, owners: Any, actual_w: Floats, desired_w: Floats, dropped: int) -> None:
+        """Notes the velocities (M, 2) that a robot is told of its inputs beside those (N, 2) of all robots and what
+        these desire, m/s in the world; `owners` (M,) of the inputs, `dropped`: those of which none is known."""
+        self._inputs_told += len(owners)
+        self._inputs_dropped += dropped
+        members = owners >= 0
+        whose = owners[members]
+        self._told.append(np.hstack([told_w[members], actual_w[whose], desired_w[whose]]))
+        if len(self._told) == PACKED_AT:
+            self._pack_told()
+
+    def velocities(self) -> Told:
+        """What was noted of velocities."""
+        self._pack_told()
+        return Told(self._whole("told"), self._inputs_told, self._inputs_dropped)
 
     def scan(self, time: float, robot: int, pose_w: Floats, scan: Scan) -> None:
         """Keeps a scan for the recording. Raises `StorageError` if the disk does not take it."""
@@ -183,6 +203,11 @@ class Log:
         self._add("member_states", np.int8, (self.robots,), self.states)
         for rows in (self.updates, self.inputs, self.owners, self.selected, self.states):
             rows.clear()
+
+    def _pack_told(self) -> None:
+        """Makes an array of the velocities that wait."""
+        self._add("told", np.float64, (6,), np.concatenate([np.empty((0, 6)), *self._told]))
+        self._told.clear()
 
     def _pack_scans(self) -> None:
         """Makes arrays of where and when the scans were taken that wait."""

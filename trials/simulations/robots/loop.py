@@ -16,7 +16,7 @@ from robots.fleets import fallen_at
 from sensing.truth import judge
 from trials.simulations import judged, watch
 from trials.simulations.contract import StoppedError, Watcher
-from trials.simulations.robots import guided, link
+from trials.simulations.robots import desires, guided, link
 from trials.simulations.robots.fields import iteration_s, of_group, of_trial
 from trials.simulations.robots.herd import Herd, assemble
 from trials.simulations.robots.knowledge import ODOMETRY
@@ -55,6 +55,7 @@ def run_trial(
     from trials.simulations.robots.measures_guided import guidance
     from trials.simulations.robots.measures_odometry import reckoned
     from trials.simulations.robots.measures_splitting import splitting
+    from trials.simulations.robots.measures_velocities import of_velocities
 
     if scans not in ("none", "some", "all"):
         raise InputError(f"scans {scans!r}: expected none, some or all")
@@ -102,6 +103,8 @@ def run_trial(
         found |= eyes(result) | splitting(result)
     if any(of_group(each).own_motion == ODOMETRY for each in trial.groups):
         found |= reckoned(result)
+    if any(robot.needs[0] for robot in herd.robots):
+        found |= of_velocities(log.velocities())
     found |= falls(fallen_at(herd.world.fleet))
     found |= link.counts([robot.link for robot in herd.robots if robot.link is not None])
     return dataclasses.replace(result, measures=found)
@@ -130,6 +133,7 @@ def run(herd: Herd, log: Log, last: int) -> None:
     events += [(robot.next_tick, SENSE, robot.index, None) for robot in robots]
     heapq.heapify(events)
     poses_tick, poses_w = -1, np.empty((0, 3))
+    tells = any(robot.needs[0] for robot in robots)
     while events and events[0][0] <= last:
         tick, what, k, command = heapq.heappop(events)
         if tick > world.tick:
@@ -157,12 +161,17 @@ def run(herd: Herd, log: Log, last: int) -> None:
         watch.end()
         motion = robot.avoid(motion, heeded)
         command = robot.drive(motion)  # 5, after the latency
+        if tells:
+            herd.desired_w[k] = desires.desired_w(motion, command, poses_w[k, 2], herd.desired_w[k])
         heapq.heappush(events, (tick + robot.latency, ACT, k, command))
         heapq.heappush(events, (tick + robot.period, SENSE, k, None))
         heeded_by_any = sets[0] if len(sets) == 1 else np.logical_or.reduce(sets)
         selected = heeded_by_any[: len(detection.members.ids)]  # virtual members come last
         judgement = judge(detection, truth, k, len(robots))
         log.update(data.time, k, poses_w[k], detection, selected, judgement, motion, command)
+        if robot.needs[0]:
+            told_w = desires.turned(detection.members.velocities, poses_w[k, 2])
+            log.told(told_w, judgement.owners, world.fleet.velocities(data), herd.desired_w, robot.dropped)
         if keep and senses.scan is not None:
             log.scan(data.time, k, poses_w[k], senses.scan)
         if keep and senses.echoes is not None:

@@ -21,6 +21,7 @@ from sensing.camera.rendering import Cameras
 from sensing.laser.draws import intensity_draws, range_draws
 from sensing.laser.hokuyo import PERIOD_S, Lasers
 from sensing.types import Detection, Echoes, PipelineState, Scan, ScanTruth, Senses, WorldTruth
+from trials.simulations.robots import desires
 from trials.simulations.robots.knowledge import COMPASS, GOAL, Knowledge
 from trials.simulations.robots.link import Link
 from trials.simulations.robots.obstacle_stage import AVOIDING, ObstacleStage
@@ -75,6 +76,8 @@ class Robot:
     image_rng: np.random.Generator
     needs: tuple[bool, bool]
     """Whether its law needs velocities, and headings: a cone just seen has none."""
+    told_desired: bool
+    """Whether it is told of desired velocities in place of actual ones."""
     knowledge: Knowledge
     association: Association | None
     """Infers what the law needs and detections lack; None where they lack nothing."""
@@ -87,6 +90,8 @@ class Robot:
     command: tuple[float, float] = (0.0, 0.0)
     """Speed (m/s) and turn rate (rad/s) decided last."""
     own: Own | None = None
+    dropped: int = 0
+    """Inputs of its last detection of which something that its law needs was not known."""
     _own_row: Floats = field(default_factory=lambda: np.full(OWN_SIZE, np.nan))
     _contacts: Bools = field(default_factory=lambda: np.zeros(2, dtype=np.bool_))
     _last_scan: tuple[Scan, ScanTruth] | None = None
@@ -169,10 +174,23 @@ class Robot:
     def detect(self, senses: Senses) -> Detection:
         """Stage 2, member detection and obstacle detection, with what association infers from the detection before."""
         detection, self.pipeline_state = self.pipeline.detect(senses, self.own, self.pipeline_state)
-        if self.association is None:
-            return known(detection, *self.needs) if self.cameras is not None else detection
-        time = self._scanned if self._reads_scan or self.cameras is not None else self._sensed
-        return self.association.infer(detection, time, self.knowledge.pose_w)
+        made = len(detection.members.ids)
+        if self.association is not None:
+            time = self._scanned if self._reads_scan or self.cameras is not None else self._sensed
+            detection = self.association.infer(detection, time, self.knowledge.pose_w)
+        elif self.cameras is not None:
+            detection = known(detection, *self.needs)
+        elif self.told_desired and senses.truth is not None:
+            detection = self._told_desired(detection, senses.truth)
+        self.dropped = made - len(detection.members.ids)
+        return detection
+
+    def _told_desired(self, detection: Detection, truth: WorldTruth) -> Detection:
+        """The detection with desired velocities; its own velocity is shifted as they are."""
+        by = desires.shift(detection, truth)
+        self._velocity += by
+        members = detection.members
+        return detection._replace(members=members._replace(velocities=members.velocities + by))
 
     def heed(self, detection: Detection) -> Detection:
         """Stage 7, obstacle selection; adds the virtual members that obstacles make, where the group has them."""

@@ -21,6 +21,7 @@ from trials.simulations.robots import (
     measures_guided,
     measures_odometry,
     measures_splitting,
+    measures_velocities,
     worldfile,
 )
 from trials.simulations.robots.measures import ABOUT, HEADINGS, KEY_MEASURES
@@ -134,6 +135,7 @@ SIMULATION = Simulation(
         **measures_eyes.ABOUT,
         **measures_splitting.ABOUT,
         **measures_odometry.ABOUT,
+        **measures_velocities.ABOUT,
         **measures_falls.ABOUT,
         **link.ABOUT,
     },
