@@ -79,3 +79,22 @@ def bare(robot: mujoco.MjSpec) -> mujoco.MjSpec:
     for element in (*seen, *sites, *stripped.lights):
         stripped.delete(element)
     return stripped
+
+
+BAD = (
+    mujoco.mjtWarning.mjWARN_BADQPOS,
+    mujoco.mjtWarning.mjWARN_BADQVEL,
+    mujoco.mjtWarning.mjWARN_BADQACC,
+    mujoco.mjtWarning.mjWARN_BADCTRL,
+)
+"""MuJoCo's warnings of a number that is not finite or too large: it then begins anew, or leaves out the control."""
+
+
+class DivergedError(ValueError):
+    """MuJoCo met such a number: what follows is worth nothing."""
+
+
+def check_sound(data: mujoco.MjData) -> None:
+    """Raises `DivergedError` if MuJoCo has met a number that is not finite or too large."""
+    if sum(data.warning[int(kind)].number for kind in BAD):
+        raise DivergedError(f"the physics diverged before {data.time:g} s")

@@ -14,6 +14,7 @@ import math
 from typing import NamedTuple
 
 from flocking.compilation import compiled
+from flocking.errors import InputError
 
 GRAVITY = 9.81
 """m/s²."""
@@ -62,6 +63,15 @@ class Gains(NamedTuple):
     """N m/rad, of the hinge about the leg's own axis in flight, which brings the leg's twist back to zero."""
     twist_rate: float = 0.03
     """N m s/rad, likewise."""
+
+
+def check_gains(gains: Gains, leg_m: float) -> None:
+    """Raises `InputError` for gains that are no numbers, and for a foot put farther than the leg is long."""
+    for name, value in gains._asdict().items():
+        if not math.isfinite(value) or (name in ("spring", "swing_spring", "flight_s") and value <= 0.0):
+            raise InputError(f"gain {name} = {value!r}: expected a finite number{' above 0' * math.isfinite(value)}")
+    if gains.most_reach >= leg_m:
+        raise InputError(f"gain most_reach = {gains.most_reach:g}: expected less than the leg's length, {leg_m:.3g} m")
 
 
 @compiled

@@ -25,11 +25,12 @@ from flocking.types import Bools, Floats, Ints
 from robots import touching
 from robots.one_legged import controller, stepping
 from robots.one_legged import model as one_legged
-from robots.one_legged.control import Gains
+from robots.one_legged.control import Gains, check_gains
 from robots.one_legged.imperfections import Imperfections, Senses
 from robots.physics import HULL_MASK
 
 GAINS, NONE = Gains(), Imperfections()
+_NOT_FINITE = "a commanded velocity must be finite"
 
 
 class Fleet:
@@ -49,6 +50,7 @@ class Fleet:
         rng: np.random.Generator | None = None,
     ) -> None:
         """`rng`: of the imperfections' noise."""
+        check_gains(gains, one_legged.LENGTH)
         count = len(prefixes)
         each, bodies = np.zeros(count, stepping.EACH), np.zeros(count, np.int64)
         hulls = np.full(model.ngeom, touching.UNOWNED, dtype=np.int64)
@@ -94,16 +96,17 @@ class Fleet:
     def desire(self, k: int, x_w: float, y_w: float) -> None:
         """The same in the world's axes."""
         if not (math.isfinite(x_w) and math.isfinite(y_w)):
-            raise ValueError("a commanded velocity must be finite")
+            raise ValueError(_NOT_FINITE)
         self._each["desired"][k] = controller.limited(x_w, y_w)
 
     def desire_all(self, velocities_w: Floats) -> None:
         """(N, 2) `desire` for all robots."""
-        _desire_all(self._each, velocities_w)
+        if not _desire_all(self._each, velocities_w):
+            raise ValueError(_NOT_FINITE)
 
     def desire_limited(self, velocities_w: Floats) -> None:
         """The same; the velocities (N, 2) are themselves limited to `MAX_SPEED`."""
-        _desire_all(self._each, velocities_w)
+        self.desire_all(velocities_w)
         _desired(self._each, velocities_w)
 
     def push(self, data: mujoco.MjData, k: int, impulse_w: Sequence[float] | Floats) -> None:
@@ -225,9 +228,12 @@ def _from_start(start: Floats, way: Floats) -> Floats:
 
 
 @compiled
-def _desire_all(each: Any, velocities_w: Floats) -> None:
+def _desire_all(each: Any, velocities_w: Floats) -> bool:
     for k in range(len(each)):
+        if not abs(velocities_w[k, 0]) + abs(velocities_w[k, 1]) < math.inf:
+            return False
         each[k].desired[0], each[k].desired[1] = controller.limited(velocities_w[k, 0], velocities_w[k, 1])
+    return True
 
 
 @compiled

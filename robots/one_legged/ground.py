@@ -17,7 +17,7 @@ from robots.one_legged import model as one_legged
 from robots.one_legged.control import Gains
 from robots.one_legged.fleet import GAINS, NONE, Fleet
 from robots.one_legged.imperfections import Imperfections
-from robots.physics import FLOOR_MASK, bare
+from robots.physics import FLOOR_MASK, bare, check_sound
 from robots.physics import apply_options as apply_all_options
 
 
@@ -37,8 +37,9 @@ class Ground:
             self.fleet.after_step(self.data)
 
     def run(self, seconds: float) -> None:
-        """The same for a time, s."""
+        """The same for a time, s. Raises `DivergedError` where the physics end, as with gains far from the usual."""
         self.step(round(seconds / self.model.opt.timestep))
+        check_sound(self.data)
 
 
 def apply_options(spec: mujoco.MjSpec, timestep_s: float = one_legged.TIMESTEP) -> None:

@@ -10,8 +10,10 @@ import pytest
 
 from flocking.errors import InputError
 from robots.one_legged import model as one_legged
+from robots.one_legged.control import Gains
 from robots.one_legged.ground import FLAT, Ground, Surface, build
 from robots.one_legged.imperfections import Imperfections
+from robots.physics import DivergedError
 from tests.robots.one_legged.running import heights, lined_up
 
 COUNT = 4
@@ -125,3 +127,35 @@ def test_a_delay_reads_what_was() -> None:
 def test_what_cannot_be_is_refused(given: Imperfections, told: str) -> None:
     with pytest.raises(InputError, match=told):
         build(lined_up(1), imperfections=given)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"attitude": math.nan}, "gain attitude = nan: expected a finite number"),
+        ({"flight_s": -1.0}, "gain flight_s = -1.0: expected a finite number above 0"),
+        ({"spring": 0.0}, "gain spring = 0.0"),
+        ({"most_reach": 2.0}, "expected less than the leg's length"),
+    ],
+)
+def test_gains_that_cannot_be_are_refused(change: dict[str, float], words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        build(lined_up(1), heights(1), gains=Gains()._replace(**change))
+
+
+def test_gains_that_make_it_fall_are_told_as_falls_and_those_that_end_physics_as_that() -> None:
+    falling = build(lined_up(COUNT), heights(COUNT), gains=Gains(placement=-0.1))
+    falling.fleet.desire_all(np.tile([2.0, 0.0], (COUNT, 1)))
+    falling.run(6.0)
+    assert not falling.fleet.upright.any()
+    assert all(falling.fleet.causes)
+    wild = build(lined_up(COUNT), heights(COUNT), gains=Gains(swing_damping=1e6))
+    wild.fleet.desire_all(np.tile([3.5, 0.0], (COUNT, 1)))
+    with pytest.raises(DivergedError, match="diverged"):
+        wild.run(6.0)
+
+
+def test_a_command_that_is_no_number_is_refused() -> None:
+    ground = build(lined_up(COUNT), heights(COUNT))
+    with pytest.raises(ValueError, match="finite"):
+        ground.fleet.desire_all(np.full((COUNT, 2), np.nan))

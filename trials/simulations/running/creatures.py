@@ -13,21 +13,11 @@ import numpy as np
 from flocking.herding import HerdMind, MovingHerd
 from flocking.herding.loop import Touching
 from flocking.types import Bools, Floats
+from robots.physics import DivergedError, check_sound
 from trials.simulations.running.disturbances import Pushes
 
 NOTED_EVERY_S = 0.02
 """From one look at who touches whom to the next: two that pass at 2 m/s come 4 cm nearer. A choice."""
-BAD = (
-    mujoco.mjtWarning.mjWARN_BADQPOS,
-    mujoco.mjtWarning.mjWARN_BADQVEL,
-    mujoco.mjtWarning.mjWARN_BADQACC,
-    mujoco.mjtWarning.mjWARN_BADCTRL,
-)
-"""MuJoCo's warnings of a state that is no longer finite."""
-
-
-class DivergedError(ValueError):
-    """MuJoCo found a state that is no longer finite, and began anew: what follows is worth nothing."""
 
 
 class Creatures(Protocol):
@@ -117,8 +107,11 @@ class Legged:
                 mind.there[:] = fleet.upright
                 mind.touches(touching, step * self.dt)
         herd.positions[:] = data.qpos[self._places]
-        if sum(data.warning[int(kind)].number for kind in BAD):
-            raise DivergedError(f"the physics of the creatures diverged before {(first + len(draws)) * self.dt:g} s")
+        try:
+            check_sound(data)
+        except DivergedError:  # its clock may have begun anew
+            at = (first + len(draws)) * self.dt
+            raise DivergedError(f"the physics of the creatures diverged before {at:g} s") from None
 
     def _push(self, step: int) -> None:
         """Pushes whom this step's pushes are for."""

@@ -13,6 +13,7 @@ from flocking.errors import InputError, unknown_name
 from flocking.herding.herd import steps_of
 from flocking.parameters import declared
 from flocking.types import Floats
+from robots import body as bodies
 from trials.simulations import spread
 from trials.simulations.running import fields, script
 from trials.streams import Purpose, stream
@@ -71,6 +72,11 @@ def check(trial: Trial) -> None:
         )
     own = fields.of_group(group)
     script.parse(given.script)
+    top = bodies.load(own.body).top_speed if own.body != fields.PARTICLES else math.inf
+    if formation.speed_m_s > top:
+        raise InputError(
+            f"formation.speed_m_s = {formation.speed_m_s:g}: expected at most {top:g}, the most of body {own.body!r}"
+        )
     if given.settle_s >= given.duration_s:
         raise InputError(
             f"settle_s = {given.settle_s:g}: expected less than duration_s = {given.duration_s:g}, when the trial ends"

@@ -10,9 +10,10 @@ from flocking.errors import InputError
 from flocking.herding.loop import no_touching
 from flocking.kinematic.herd import LawFailedError
 from flocking.types import Floats
+from robots.physics import DivergedError
 from trials.simulations.contract import Rider
 from trials.simulations.running import fields, herd, loop
-from trials.simulations.running.creatures import Creatures, DivergedError, Legged
+from trials.simulations.running.creatures import Creatures, Legged
 from trials.simulations.running.measures import measure
 from trials.simulations.running.script import Leg
 from trials.types import Trial, TrialResult, with_setup

@@ -20,10 +20,11 @@ from flocking.kinematic.herd import LawFailedError
 from flocking.parameters import declared
 from flocking.types import Floats
 from robots import body as bodies
+from robots.physics import DivergedError
 from trials.simulations import watch
 from trials.simulations.contract import StoppedError
 from trials.simulations.running import disturbances, fields, herd, script
-from trials.simulations.running.creatures import Creatures, DivergedError, Legged, Particles
+from trials.simulations.running.creatures import Creatures, Legged, Particles
 from trials.simulations.running.measures import measure
 from trials.streams import Purpose, stream
 from trials.types import Contacts, Trial, TrialResult, no_updates

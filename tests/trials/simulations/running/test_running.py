@@ -73,6 +73,21 @@ class TestStart:
         with pytest.raises(InputError, match=words):
             simulations.check(trial(**setup))
 
+    def test_robots_refuse_a_start_that_they_cannot_run(self) -> None:
+        fast = {"formation_parameters": {"speed_m_s": 9.0}}
+        with pytest.raises(InputError, match=r"formation\.speed_m_s = 9: expected at most 3.5"):
+            simulations.check(dataclasses.replace(trial(body="one-legged"), **fast))  # type: ignore[arg-type]
+        simulations.check(dataclasses.replace(trial(), **fast))  # type: ignore[arg-type]
+
+    def test_no_more_can_break_away_than_there_are(self) -> None:
+        with pytest.raises(InputError, match=r"formation\.breakaway = 20: expected fewer"):
+            simulations.check(dataclasses.replace(trial(), formation_parameters={"breakaway": 20}))
+
+    def test_a_breakaway_group_starts_behind_by_its_gap(self) -> None:
+        apart = {"breakaway": 30, "breakaway_m": 12.0, "jitter_m": 0.0}
+        x = herd.start_of(dataclasses.replace(trial(105), formation_parameters=apart)).positions[:, 0]
+        assert x[:75].min() - x[75:].max() == pytest.approx(12.0)
+
     def test_a_law_that_no_user_can_steer_needs_none(self) -> None:
         group = dataclasses.replace(fields.herd(5), law="vicsek", selection="all")
         with pytest.raises(InputError, match="expected users = 0"):
