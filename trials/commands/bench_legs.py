@@ -13,7 +13,6 @@ from robots.one_legged.ground import Ground, build
 from trials.design import plan
 from trials.simulations.running import fields, loop
 from trials.simulations.running.creatures import Legged
-from trials.types import with_setup
 
 HERD = 105
 """Robots of the published herd."""
@@ -56,8 +55,8 @@ def whole_and_bare(count: int, seconds: float) -> tuple[float, float]:
 
 def herding_and_bare(seconds: float) -> tuple[float, float]:
     """Likewise of the published herd behind its user's creature: control and herding in the loop, from the start on."""
-    trial = next(each for each in plan("herd-steady", repeats=1).trials if "one-legged" in each.conditions.values())
-    trial = with_setup(trial, {"duration_s": seconds})
+    settings = {"herd.body": "one-legged", "herd.count": HERD, "duration_s": seconds}
+    trial = plan("herd-steady", repeats=1, settings=settings).trials[0]
     given = fields.of_trial(trial)
     creatures, touching = loop.built(trial), no_touching(HERD, given.collision_m)
     started = process_time()
