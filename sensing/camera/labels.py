@@ -9,7 +9,8 @@ and to the centre of a robot. Pixels and boxes are of what can be seen: what is 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+import math
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -41,8 +42,16 @@ class Labelled(NamedTuple):
     """(N, 2) the same of the robots' own centres."""
 
 
-def coco(pictures: Iterable[Labelled], description: str = "") -> dict[str, Any]:
-    """All of it as one dictionary, ready for JSON."""
+def coco(
+    pictures: Iterable[Labelled],
+    description: str = "",
+    settings: Mapping[int, Mapping[str, Mapping[str, Any]]] | None = None,
+) -> dict[str, Any]:
+    """All of it as one dictionary, ready for JSON. `settings`: by robot, how its cameras are set, in sections."""
+    robots = [
+        {"robot": robot, **{name: _finite(values) for name, values in sections.items()}}
+        for robot, sections in (settings or {}).items()
+    ]
     images: list[dict[str, Any]] = []
     annotations: list[dict[str, Any]] = []
     for number, picture in enumerate(pictures, start=1):
@@ -50,17 +59,24 @@ def coco(pictures: Iterable[Labelled], description: str = "") -> dict[str, Any]:
         images.append(
             {
                 "id": number, "file_name": picture.file_name, "width": width, "height": height,
-                "robot": picture.robot, "camera": picture.camera, "time_s": picture.time_s,
+                "robot": picture.robot, "camera": picture.camera, "time_s": round(picture.time_s, 9),
             }
         )  # fmt: skip
         for annotation in annotations_of(picture):
             annotations.append({"id": len(annotations) + 1, "image_id": number, **annotation})
     return {
-        "info": {"description": description, "version": "1"},
+        "info": {"description": description, "version": "1", **({"robots": robots} if robots else {})},
         "licenses": [],
         "categories": [{"id": k, "name": name, "supercategory": "thing"} for k, name in enumerate(CATEGORIES, start=1)],
         "images": images,
         "annotations": annotations,
+    }
+
+
+def _finite(values: Mapping[str, Any]) -> dict[str, Any]:
+    """Values for JSON, which has no number for what is not finite."""
+    return {
+        name: None if isinstance(value, float) and not math.isfinite(value) else value for name, value in values.items()
     }
 
 

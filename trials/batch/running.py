@@ -79,6 +79,8 @@ def start(asked: Asked, out: Path | None, jobs: int, report: Report, cluster: st
         planned_for = out or Path("runs") / made.experiment / "new"
         looks = looks_of(asked)
         run["until_decided"] = deciding.laid_down(planned_for, chosen, experiment, looks, asked.budget)
+    if cluster is None:
+        _check_rendering(chosen)
     with engine(cluster, chosen) as hands, folders.new_folder(out, made.experiment) as folder:
         kept = store.create(folder, run, code_of(chosen))
         try:
@@ -101,6 +103,8 @@ def resume(folder: Path, jobs: int, report: Report, experiment: str | None = Non
     """
     kept = store.opened(folder)
     try:
+        if cluster is None:
+            _check_rendering(kept.trials)
         with folders.alone(folder), engine(cluster, kept.trials) as hands:
             code = code_of(kept.trials)
             store.check_code(kept, code)
@@ -168,6 +172,14 @@ def debug(asked: Asked) -> int:
     for name, value in output.measures.items():
         print(f"{name:32} {value:.6g}")
     return 0 if output.status == "done" else 1
+
+
+def _check_rendering(trials: Sequence[Trial]) -> None:
+    """Raises `InputError` where trials need images and nothing here renders them: before any is run."""
+    if any(simulations.of(trial).reads_images(trial) for trial in kinds(trials)):
+        from sensing.camera import opengl
+
+        opengl.library()
 
 
 def conditions(trial: Trial) -> str:

@@ -85,6 +85,8 @@ class Simulation:
     steered: Callable[[Trial, Rider], TrialResult] | None = None
     """(trial, who steers its user's creature) → what was measured; the result's trial repeats the ride. None: there is
     nobody to steer."""
+    reads_images: Callable[[Trial], bool] = lambda trial: False
+    """Whether a trial renders images, for which OpenGL is needed."""
     write_images: Callable[[Trial, Path, float], int] | None = None
     """(trial, folder, time between two moments in s) → how many labelled images of what its robots' cameras see were
     written. None: there are no cameras."""

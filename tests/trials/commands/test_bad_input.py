@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from flocking.errors import InputError
+from sensing.camera import opengl
 from trials.batch.asked import ranges
 from trials.commands import options
 
@@ -255,3 +256,12 @@ def test_values_are_toml_and_bare_words_are_text() -> None:
     }
     with pytest.raises(InputError, match="twice"):
         options.sweeps(["a=1", "a=2"])
+
+
+def test_a_run_that_needs_images_begins_only_where_they_can_be_rendered(
+    refused: Callable[..., str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv(opengl.ASIDE, "")  # which the command sets
+    monkeypatch.setenv(opengl.VARIABLE, "nonsense")
+    assert "MUJOCO_GL = 'nonsense' renders nothing" in refused("run", "cone-distance", "--out", str(tmp_path / "run"))
+    assert not (tmp_path / "run").exists()

@@ -123,4 +123,5 @@ SIMULATION = Simulation(
     at_step=at_step,
     listed=listed,
     constants=constants,
+    reads_images=lambda trial: True,
 )

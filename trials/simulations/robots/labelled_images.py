@@ -32,10 +32,12 @@ SIDES = ("left", "right")
 
 
 def write_images(trial: Trial, folder: Path, every_s: float) -> int:
-    """Runs a trial and writes what all robots with cameras see at its start and every so many seconds into a folder.
+    """Runs a trial and writes what its robots' cameras see at its start and every so many seconds into a folder.
 
-    The images of both cameras as PNG, with what is imperfect about the cameras, and `labels.json` in COCO's format
-    (`sensing.camera.labels`). A pair that the cameras lose, or do not take by their own frame rate, is not written.
+    They are the robots whose detection reads images, or, where none's does, all that carry cameras. The images of both
+    cameras are PNG, with what is imperfect about the cameras; `labels.json` is in COCO's format
+    (`sensing.camera.labels`), with how each robot's cameras are set. A pair that the cameras lose, or do not take by
+    their own frame rate, is not written.
     Returns the number of images. Raises `InputError` for a trial whose robots have no cameras, and where nothing
     renders.
     """
@@ -58,7 +60,7 @@ def write_images(trial: Trial, folder: Path, every_s: float) -> int:
     eyes = [
         _Eyes(cameras, index, its.imperfections, stream(trial.seed, trial.repeat, g + 1, k, Purpose.IMAGES))
         for index, (its, (g, k)) in enumerate(zip(groups, numbers, strict=True))
-        if lenses[index] is not None
+        if lenses[index] is not None and (its.reads_images or not any(other.reads_images for other in groups))
     ]
     taken: list[Labelled] = []
     every = max(1, round(every_s / herd.timestep))
@@ -72,9 +74,12 @@ def write_images(trial: Trial, folder: Path, every_s: float) -> int:
     world.observers.append(take)
     log = Log(trial, len(herd.robots), "none")
     run(herd, log, last=round(of_trial(trial).duration_s / herd.timestep))
-    text = json.dumps(
-        coco(taken, f"{trial.experiment}, trial {trial.index}, seed {trial.seed}"), indent=1, allow_nan=False
-    )
+    settings = {
+        each.robot: {"cameras": groups[each.robot].cameras._asdict(), "imperfections": each.given._asdict()}
+        for each in eyes
+    }
+    about = f"{trial.experiment}, trial {trial.index}, seed {trial.seed}"
+    text = json.dumps(coco(taken, about, settings), indent=1, allow_nan=False)
     (folder / LABELS).write_text(text + "\n", encoding="utf-8")
     return len(taken)
 
@@ -85,13 +90,13 @@ class _Eyes:
     def __init__(
         self, cameras: Cameras, robot: int, given: imperfections.Parameters, generator: np.random.Generator
     ) -> None:
-        self._cameras, self._robot, self._given, self._generator = cameras, robot, given, generator
+        self._cameras, self.robot, self.given, self._generator = cameras, robot, given, generator
         self._memory = imperfections.begun(given, generator, *cameras.size(robot))
 
     def pictures(self, data: mujoco.MjData, folder: Path, begun: int) -> list[Labelled]:
         """The pictures of both cameras at one moment, written to files that are numbered on from `begun`; none where no
         pair is due or the pair is lost."""
-        cameras, k, given = self._cameras, self._robot, self._given
+        cameras, k, given = self._cameras, self.robot, self.given
         time, lag_s, pair = float(data.time), given.capture_offset_s, None
         if imperfections.due(given, self._memory, time):
             pair = cameras.look(data, k, time, lag_s)

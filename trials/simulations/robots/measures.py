@@ -183,11 +183,25 @@ def rule_is(result: TrialResult, name: str) -> Bools:
     return updates.rules == codes[updates.robots]
 
 
+def _speechless(result: TrialResult, name: str) -> Bools:
+    """(U,) true for updates of laws that have no rule of that name."""
+    has = np.array([name in rules for rules in result.rules], dtype=np.bool_)
+    return ~has[result.updates.robots]
+
+
+def _selected(updates: Updates) -> Ints:
+    """(U,) how many inputs were selected for the law."""
+    before = np.concatenate([[0], np.cumsum(updates.input_selected)])
+    found: Ints = before[updates.input_starts[1:]] - before[updates.input_starts[:-1]]
+    return found
+
+
 def _behaviour(result: TrialResult) -> dict[str, Any]:
     updates = result.updates
     none, snn, hamilton, perpendicular = (
         rule_is(result, name) for name in ("none", "snn", "hamilton", "perpendicular")
     )
+    none |= _speechless(result, "none") & (_selected(updates) == 0)
     stop = updates.kinds == Kind.STOP
     approach = (snn | hamilton) & (updates.kinds == Kind.WAY_POINT)
     with_inputs = np.diff(updates.input_starts) > 0

@@ -151,5 +151,6 @@ SIMULATION = Simulation(
     world_xml=worldfile.world_xml,
     headings=HEADINGS,
     watched=watched,
+    reads_images=lambda trial: any(Resolved(group).reads_images for group in trial.groups),
     write_images=write_images,
 )

@@ -15,7 +15,7 @@ from robots.eyes import CONE_RADIUS
 from sensing.camera import opengl
 from sensing.camera.labels import decoded
 from sensing.camera.lens import Lens, places
-from tests.trials.simulations.robots.test_eyes import pair
+from tests.trials.simulations.robots.test_eyes import SMALL, pair
 from trials import simulations
 from trials.commands import cli
 from trials.simulations.robots.fields import group
@@ -107,6 +107,22 @@ class TestLabelledImages:
         plain, dark, mild = (np.asarray(pictures[name][0], float) for name in ("none", "dark", "mild"))
         np.testing.assert_allclose(dark, plain / 2.0, atol=0.5)
         assert (plain != mild).any()
+
+    def test_those_who_detect_by_images_take_them_and_the_labels_tell_how(self, tmp_path: Path) -> None:
+        made = pair(seconds_=0.1, **{"imperfections.light": 0.5})
+        lead = with_setup(group("drive", 1, name="lead", pipeline="perfect"), {"body": "create-with-cameras"})
+        lead = with_setup(lead, {"formation": "single-file", "start_x_m": 3.0})
+        follower = dataclasses.replace(made.groups[0], count=1)
+        made = dataclasses.replace(made, groups=(lead, follower))
+        write = simulations.of(made).write_images
+        assert write is not None
+        assert write(made, tmp_path, 1.0) == 2
+        labels = json.loads((tmp_path / "labels.json").read_text(), parse_constant=pytest.fail)
+        assert {image["robot"] for image in labels["images"]} == {1}
+        (told,) = labels["info"]["robots"]
+        assert told["robot"] == 1
+        assert told["imperfections"]["light"] == 0.5
+        assert told["cameras"]["width_px"] == SMALL["cameras.width_px"]
 
     def test_a_robot_is_labelled_at_its_own_centre(self, tmp_path: Path) -> None:
         """And its cone, which a Pioneer carries elsewhere, where that stands."""

@@ -125,6 +125,18 @@ def test_shares_of_the_branches() -> None:
     assert found["ha_angle"] == pytest.approx(math.atan(0.5), abs=SINGLE)
 
 
+def test_updates_without_an_input_are_counted_of_laws_too_that_have_no_rule_for_them() -> None:
+    made = trial_of(
+        [
+            (1.0, 0, Kind.HOLD, 0, NAN, []),
+            (2.0, 0, Kind.VELOCITY, 0, (1.0, 0.0), [(1.0, 0.0, 1)]),
+            (3.0, 0, Kind.VELOCITY, 0, (1.0, 0.0), []),
+            (4.0, 0, Kind.VELOCITY, 0, (1.0, 0.0), [(1.0, 0.0, 1), (1.0, 2.0, 1)]),
+        ]
+    )
+    assert measure(dataclasses.replace(made, rules=(("go",),) * len(made.rules)))["none_share"] == 2 / 4
+
+
 @pytest.mark.parametrize("side", [1.0, -1.0])
 def test_a_way_point_points_at_the_nearest_input_up_to_the_bound(side: float) -> None:
     """Brackets of the bound: 15 degrees, and half and twice of it."""
