@@ -88,7 +88,7 @@ def _value(given: str, text: str) -> Any:
             return text
         raise InputError(
             f"{_short(given)}: {_short(text)!r} is not a TOML value; "
-            'expected as in 0.5, true, nearest or "nearest & all"'
+            "expected as in 0.5, true, nearest or, quoted for the shell too, '\"nearest & all\"'"
         ) from None
 
 
