@@ -21,7 +21,7 @@ from trials.studies.monocular.flock_claims import COUNT, NEAREST, OCCLUSION, ONE
 from trials.studies.monocular.flock_figures import figures
 from trials.types import Trial, Value, with_setup
 
-REPEATS = 4
+REPEATS = 3
 RECORD = "first"
 CONDITIONS = {COUNT: (3, 6, 12), PIPELINE: (ONE, SEVERAL, PERFECT)}
 PIONEERS = 3
